@@ -86,6 +86,7 @@ def _governing(model: StructuralModel, factors: tuple[Parameter, ...]) -> tuple[
 #: Standard deviations of ln factor that the surroundings make: temperature of all and along the longer side,
 #: supports, masses.
 _WARMER, _ON_ONE_SIDE, _SUPPORTS, _LADEN = 0.02, 0.01, 0.1, 0.02
+_ON_GROUND = 0.007  # of what stands on ground that yields, which does not follow: set on building
 _LOOSE = 0.8  # a joint has not lost more where its warmth is judged
 
 
@@ -96,10 +97,12 @@ def surroundings(
     values: FloatArray,
     named: Sequence[str],
     along: FloatArray | None,
+    grounded: Sequence[int] = (),
 ) -> FloatArray:
     """Changes of ln factor (p, k) that go together, of standard deviation 1 each, where factors have these
     ``values``; of the model's ``n_terms`` of stiffness these are ``elements``, the others springs, and terms
-    behind them joints; ``along`` is the place of each term between -1 and 1."""
+    behind them joints; ``along`` is the place of each term between -1 and 1; ``grounded`` are terms that
+    stand on the ground."""
     stiff = [p.terms[0] if p.quantity == "stiffness_factor" else -1 for p in factors]
     warm = np.array([float(term in elements) for term in stiff])
     held = np.array([float(0 <= term < n_terms and term not in elements) for term in stiff])
@@ -112,6 +115,8 @@ def surroundings(
         if along is not None:
             places = [along[term] if 0 <= term < along.size else 0.0 for term in stiff]
             columns.append(_ON_ONE_SIDE * warm * np.array(places))
+        if grounded:
+            columns.append(_ON_GROUND * warm * np.isin(stiff, grounded))
     if "supports" in named:
         columns.append(_SUPPORTS * held)
     if "mass" in named:
@@ -998,8 +1003,8 @@ class _Families(NamedTuple):
         that yield, each by a factor of its own, if there are any."""
         model, factors = self.question.model, self.plain.factors
         base = structure.finer or model
-        joints, given = structure.joints(), {p.terms for p in factors if p.quantity == "stiffness_factor"}
-        springs = [p for p in structure.yielding if p.terms not in given]
+        joints, given = structure.joints(), {(p.quantity, p.terms) for p in factors}
+        springs = [p for p in structure.yielding if (p.quantity, p.terms) not in given]
         more = (*springs, *joints.factors(base, BOUNDS)) if yields else ()
         if base is model and not more:
             return self.plain
@@ -1033,14 +1038,17 @@ class _Families(NamedTuple):
         return replace(found, lacking=len(family.factors) > len(self.plain.factors))
 
     def around(
-        self, family: _Family, error: ModelError, named: Sequence[str] = ("temperature",)
+        self, family: _Family, error: ModelError, named: Sequence[str] | None = None
     ) -> FloatArray:
-        """Changes of ln factor that the surroundings make, as :func:`surroundings` has them."""
+        """Changes of ln factor that the surroundings make, as :func:`surroundings` has them; None: that
+        temperature may."""
         model, springs = self.question.model, self.plain.structure.springs
         # The ground spring of a chain is a storey where it is a candidate.
         elements = {*model.default_elements, *self.question.elements}.difference(*(p.terms for p in springs))
         n_terms, values = model._core.n_stiffness_terms, np.exp(error.theta)
-        return surroundings(elements, n_terms, family.factors, values, named, family.along)
+        how = ("temperature",) if named is None else named, family.along
+        grounded = () if named is None else self.plain.structure.grounded
+        return surroundings(elements, n_terms, family.factors, values, *how, grounded)
 
     def learn(self) -> tuple[ModelError, Values, FloatArray, float, Contradiction, Structure, bool]:
         """What ``_taught`` holds."""

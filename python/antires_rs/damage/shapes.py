@@ -192,6 +192,7 @@ def structure_of(model: StructuralModel, highest_hz: float = 0.0) -> Structure:
 #: Dofs of a model of matrices up to which each may have another mass; terms up to which they are put in
 #: order, and by how much that must be the plainest order.
 _MOST_DOFS, _MOST_TERMS, _PLAINLY = 100, 300, 1.05
+_STRAINED = 1e-6  # share of a term's largest entry from which on a force of it on the ground counts
 
 
 class Structure:
@@ -217,6 +218,15 @@ class Structure:
         if sizes[1] < 1e-9 or sizes[2] < _PLAINLY * sizes[1]:
             return None
         return np.linspace(-1.0, 1.0, len(terms))[np.argsort(np.argsort(ways[:, 1], kind="stable"))]
+
+    @property
+    def grounded(self) -> list[int]:
+        """Elements that stand on the ground, where that is seen: a shift of all dofs strains them, and few."""
+        terms = self.model._core.stiffness_terms()
+        pull = [np.abs(np.bincount(rows, values)).max(initial=0.0) for rows, _, values in terms]
+        size = [np.abs(values).max(initial=0.0) for *_, values in terms]
+        held = np.flatnonzero(np.array(pull) > _STRAINED * np.array(size)).tolist()
+        return held if 2 * len(held) < len(terms) else []
 
     @property
     def springs(self) -> tuple[Parameter, ...]:
@@ -264,6 +274,7 @@ class Structure:
 
 
 _TILTS = (1, 2, 3)  # powers of the height with which a building tilts and bends as a whole
+_BASES = (30.0, 10.0, 4.0, 2.0)  # springs under a base, over that of the lowest storey
 
 
 class Chain(Structure):
@@ -287,19 +298,55 @@ class Chain(Structure):
             [(Shape("mass", -1, 0.0, node, most, name=named(node)), term) for node, term in enumerate(terms)]
         )
 
+    @property
+    def _stands(self) -> tuple[int, int] | None:
+        """Its spring to the ground, where it has one, and the mass on that."""
+        last, recipe = self.model.n_dof - 1, self.model._recipe
+        first, second = recipe.ground_first_n_per_m != 0.0, recipe.ground_last_n_per_m != 0.0
+        return None if first == second else (last, 0) if first else (last + 1, last)
+
+    def hinged(self, left: Callable[[Structure], float]) -> Structure:
+        """With a base of its own, as heavy as the mass above it, on a spring with which least is left."""
+        if self._stands is None:
+            return self
+        core, n, (term, foot) = self.model._core, self.model.n_dof, self._stands
+        terms, masses = core.stiffness_terms(), core.mass_terms()
+        stiffness = float(np.sum(terms[term][2]))
+        heavy = np.array([float(as_sparse(core.mass()).diagonal()[foot])])
+        ends, base = (np.array([foot, n, n]), np.array([n, foot, n])), np.array([n])
+        under = (*ends, stiffness * np.array([-1.0, -1.0, 1.0]))
+        terms[term] = _together([terms[term], under])
+        whole, mass = _entries(core.stiffness()), _together([_entries(core.mass()), (base, base, heavy)])
+        found: list[tuple[float, Structure]] = [(left(self), self)]
+        for times in _BASES:
+            other, spring = copy(self), (base, base, np.array([times * stiffness]))
+            added = [*terms, _together([spring])], [*masses, _together([(base, base, heavy)])]
+            every = _together([whole, under, spring])
+            other.finer = Joined(n + 1, CoreModel.from_matrices(n + 1, every, mass, *added))
+            found.append((left(other), other))
+        return min(found, key=lambda each: each[0])[1]
+
+    @property
+    def yielding(self) -> tuple[Parameter, ...]:
+        """The spring and the mass of the base."""
+        if self.finer is None:
+            return ()
+        core = self.model._core
+        stiffness = Parameter("stiffness_factor", (core.n_stiffness_terms,), (0.2, 5.0))
+        return stiffness, Parameter("mass_factor", (core.n_mass_terms,), (0.2, 5.0))
+
     def joints(self) -> Shapes:
         """What tilting and bending leave of the stiffness, by the formula of a hinge."""
         from scipy.sparse import csr_array
 
-        recipe = self.model._recipe
-        ends = recipe.ground_first_n_per_m, recipe.ground_last_n_per_m
-        if (ends[0] == 0.0) == (ends[1] == 0.0):
+        if self._stands is None:
             return Shapes((), ())
-        n, stiffness = self.model.n_dof, np.asarray(self.model.stiffness())
-        height = np.arange(1.0, n + 1.0) / n
+        n, (_, foot) = self.model.n_dof, self._stands
+        stiffness = as_sparse((self.finer or self.model)._core.stiffness()).toarray()
+        height = np.arange(1.0, n + 1.0)[:: -1 if foot else 1] / n
         found = []
         for power in _TILTS:
-            way = (height if ends[0] else height[::-1]) ** power
+            way = np.pad(height**power, (0, len(stiffness) - n))
             force = stiffness @ way
             column = csr_array((force / np.sqrt(way @ force))[:, None])
             found.append((Shape("joint", -1, 0.0, -1, 1.0), column @ column.T))
@@ -364,9 +411,10 @@ class Frame(Structure):
                 self.turning[node] = "joint"
         self.inner: dict[int, Inner] = {}
         self.masses = [_of_core(term, self.n) for term in whole.mass_terms()[: len(self.ends)]]
-        #: Dofs of an element's hinges, and how they turn the dofs of its ends, (m, k); nodes that have any.
+        #: Dofs of an element's hinges, and how they turn the dofs of its ends, (m, k); nodes that have any, and
+        #: directions of those that move.
         self.hinges: dict[int, tuple[list[int], FloatArray]] = {}
-        self.hinge_nodes: list[int] = []
+        self.hinge_nodes: list[tuple[int, str]] = []
         if highest_hz:
             n = self.free.size
             for element in range(len(self.ends)):
@@ -428,11 +476,11 @@ class Frame(Structure):
                     more = _bordered(row[ends][free], dofs, side[free], block)
                     own_terms[element] = _together([own_terms[element], more])
                     whole.append(more)
-        for (node, _), several in springs.items():
+        for key, several in springs.items():
             at = np.array([dof for dof, _ in several])
             terms[0].append((at, at, np.array([stiffness for _, stiffness in several])))
             added[0].append(terms[0][-1])
-            self.hinge_nodes.append(node)
+            self.hinge_nodes.append(key)
         k_terms, m_terms = ([_together([each]) for each in own] for own in terms)
         stiffness_of_all, mass_of_all = map(_together, added)
         return Joined(n, CoreModel.from_matrices(n, stiffness_of_all, mass_of_all, k_terms, m_terms))
@@ -486,7 +534,7 @@ class Frame(Structure):
         for element in range(len(self.ends)):
             for share in PLACES:
                 found += self._hinges(element, share, "crack", self.ends[element][0], factor)
-        return _listed([*found, *self._turning(factor), *self._supports(), *self._masses()])
+        return _listed([*found, *self._turning(factor), *self._supports(factor), *self._masses()])
 
     @property
     def along(self) -> FloatArray:
@@ -525,13 +573,34 @@ class Frame(Structure):
         held = [first + k for k, term in enumerate(terms) if np.any(term[2])]
         return tuple(Parameter("stiffness_factor", (k,), (0.2, 5.0)) for k in held)
 
-    def _supports(self) -> list[tuple[Shape, Any]]:
-        """Springs that lose stiffness."""
+    def _supports(self, factor: Mapping[int, float]) -> list[tuple[Shape, Any]]:
+        """Springs that lose stiffness, and pins and rollers that yield."""
+        from scipy.sparse import csr_array
+
+        first = self.model._core.n_stiffness_terms
         terms, n = self.model._core.stiffness_terms(), self.model.n_dof
         found = []
         for (k,) in (p.terms for p in self.springs):
             shape = Shape("support", -1, 0.0, -1, 1.0, name=self.model.element_label(k))
             found.append((shape, _of_core(terms[k], n)))
+        under = {key: first + k for k, key in enumerate(self.hinge_nodes)}  # learned, dofs of their own
+        for node, name in self.model.fixed:
+            if self.turning.get(node) == "support" or name not in self.moves:  # a clamp turns first
+                continue
+            force = np.zeros(self.n)
+            for element, _ in self.meeting.get(node, ()):
+                column = self.stiffness[element][:, [self.at[node, name]]].toarray()[:, 0]
+                force += factor.get(element, 1.0) * column
+            own = force[self.free, None]
+            if not own.any():
+                continue
+            shape = Shape("support", -1, 0.0, node, 1.0, name=f"support at node {node} ({name})")
+            if self.finer is not None and (node, name) in under:
+                k = under[node, name]
+                term = _of_core(self.finer._core.stiffness_terms()[k], self.finer.n_dof)
+                found.append((shape, factor.get(k, 1.0) * term))
+            else:
+                found.append((shape, csr_array(own @ own.T / force[self.at[node, name]])))
         return found
 
     def _turning(self, factor: Mapping[int, float]) -> list[tuple[Shape, Any]]:
