@@ -20,8 +20,21 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.targets import Series, sorted_out, usual_damping, zeros_beside
-from .evidence import BLIND, FURTHEST, HIGHEST, LINEAR, Fit, refitted
-from .inference import HARDLY, LARGEST, Elements, Learned, Search, intact_slopes, learned_from
+from .inference import (
+    BLIND,
+    FURTHEST,
+    HARDLY,
+    HIGHEST,
+    LARGEST,
+    LINEAR,
+    Elements,
+    Fit,
+    Learned,
+    Search,
+    intact_slopes,
+    learned_from,
+    refitted,
+)
 from .likelihood import (
     ALIKE_STD,
     MANY,

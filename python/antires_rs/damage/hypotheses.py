@@ -10,7 +10,7 @@ import numpy as np
 
 from ..support.checks import FloatArray
 from ..support.values import Value
-from ..updating.model_check import few_alone, mostly_paired
+from ..updating.problem import few_alone, mostly_paired
 from ..views import Viewed
 
 # -- Probabilities and intervals in percent, as they are printed

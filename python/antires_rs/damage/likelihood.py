@@ -29,7 +29,7 @@ from ..measured.modal_set import ModalSet
 from ..models.parameters import Parameter, stiffness_reduction
 from ..support.checks import FloatArray
 from ..support.progress import step
-from ..updating.model_check import hint_of
+from ..updating.problem import hint_of
 from ..updating.targets import targets_of
 from .hypotheses import figure
 from .measured_modes import ModeResponses, ModeRoots, measured_modes

@@ -12,8 +12,18 @@ from numpy.typing import NDArray
 from ..models.structural_model import StructuralModel
 from ..support.checks import FloatArray
 from ..support.progress import step
-from .evidence import FURTHEST, Fit, fitted, refitted
-from .inference import SHARES, USUALLY_LOST, Elements, Search, stepped, too_much
+from .inference import (
+    FURTHEST,
+    SHARES,
+    USUALLY_LOST,
+    Elements,
+    Fit,
+    Search,
+    fitted,
+    refitted,
+    stepped,
+    too_much,
+)
 from .likelihood import Likelihood, Prepared, Question, View
 from .measured_states import Responses, Roots, Values, roots_at
 from .shapes import Found, Shape, Shaped, Shapes, Structure
