@@ -93,6 +93,7 @@ _LOOSE = 0.8  # a joint has not lost more where its warmth is judged
 def surroundings(
     elements: set[int],
     n_terms: int,
+    first_joint: int,
     factors: Sequence[Parameter],
     values: FloatArray,
     named: Sequence[str],
@@ -101,13 +102,13 @@ def surroundings(
 ) -> FloatArray:
     """Changes of ln factor (p, k) that go together, of standard deviation 1 each, where factors have these
     ``values``; of the model's ``n_terms`` of stiffness these are ``elements``, the others springs, and terms
-    behind them joints; ``along`` is the place of each term between -1 and 1; ``grounded`` are terms that
+    from ``first_joint`` on joints; ``along`` is the place of each term between -1 and 1; ``grounded`` are terms that
     stand on the ground."""
     stiff = [p.terms[0] if p.quantity == "stiffness_factor" else -1 for p in factors]
     warm = np.array([float(term in elements) for term in stiff])
     held = np.array([float(0 <= term < n_terms and term not in elements) for term in stiff])
     # A joint turns by the same angle for the same moment, however stiff the beam that it holds.
-    lost = np.where(np.array(stiff) >= n_terms, np.clip(1.0 - values, 0.0, _LOOSE), 0.0)
+    lost = np.where(np.array(stiff) >= first_joint, np.clip(1.0 - values, 0.0, _LOOSE), 0.0)
     warm -= lost * (2.0 - lost) / (1.0 - lost)
     columns = []
     if "temperature" in named:
@@ -318,7 +319,7 @@ def _from(
         root, std = partner[has], values.std[has]
         rows = rows_of(slopes[root], root, intact)
         y = place[has] - intact.log_f[root] + slopes[root] @ theta
-        if not fixed and not last:
+        if has.size and not fixed and not last:
             s, taus = _scales(rows, y, std, group, intact.kind)
         prior = np.concatenate([s[group] ** 2, taus[intact.kind] ** 2])
         factor = cho_factor((rows * prior) @ rows.T + np.diag(std**2), lower=True)
@@ -539,7 +540,7 @@ def _judged(
     root = partner[has]
     residual = place[has] - roots.place[root]
     model, noise = roots.spread[np.ix_(root, root)], np.diag(now.std[has] ** 2)
-    change = roots.change[root]
+    change = (roots.change + roots.shift)[root]
     size = np.sqrt(change**2 + _COMMON * _mean_of_kind(change**2, roots.roots.kind[root]))
     # Two tests of one state share the error of a root's change.
     unmodelled = (root[:, None] == root) * np.outer(size, size)
@@ -1047,8 +1048,11 @@ class _Families(NamedTuple):
         elements = {*model.default_elements, *self.question.elements}.difference(*(p.terms for p in springs))
         n_terms, values = model._core.n_stiffness_terms, np.exp(error.theta)
         how = ("temperature",) if named is None else named, family.along
+        structure = family.structure  # springs of hinges and bases, which no temperature changes, come before
+        own = [p for p in structure.yielding if p.quantity == "stiffness_factor"]
+        first = n_terms + (len(own) - len(structure.springs) if len(family.factors) > len(self.plain.factors) else 0)
         grounded = () if named is None else self.plain.structure.grounded
-        return surroundings(elements, n_terms, family.factors, values, *how, grounded)
+        return surroundings(elements, n_terms, first, family.factors, values, *how, grounded)
 
     def learn(self) -> tuple[ModelError, Values, FloatArray, float, Contradiction, Structure, bool]:
         """What ``_taught`` holds."""
