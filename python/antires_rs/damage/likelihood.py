@@ -86,29 +86,26 @@ def _governing(model: StructuralModel, factors: tuple[Parameter, ...]) -> tuple[
 #: Standard deviations of ln factor that the surroundings make: temperature of all and along the longer side,
 #: supports, masses.
 _WARMER, _ON_ONE_SIDE, _SUPPORTS, _LADEN = 0.02, 0.01, 0.1, 0.02
-_ON_GROUND = 0.007  # of what stands on ground that yields, which does not follow: set on building
 _LOOSE = 0.8  # a joint has not lost more where its warmth is judged
 
 
 def surroundings(
     elements: set[int],
     n_terms: int,
-    first_joint: int,
+    joints: Sequence[int],
     factors: Sequence[Parameter],
     values: FloatArray,
     named: Sequence[str],
     along: FloatArray | None,
-    grounded: Sequence[int] = (),
 ) -> FloatArray:
     """Changes of ln factor (p, k) that go together, of standard deviation 1 each, where factors have these
     ``values``; of the model's ``n_terms`` of stiffness these are ``elements``, the others springs, and terms
-    from ``first_joint`` on joints; ``along`` is the place of each term between -1 and 1; ``grounded`` are terms that
-    stand on the ground."""
+    behind them ``joints``; ``along`` is the place of each term between -1 and 1."""
     stiff = [p.terms[0] if p.quantity == "stiffness_factor" else -1 for p in factors]
     warm = np.array([float(term in elements) for term in stiff])
     held = np.array([float(0 <= term < n_terms and term not in elements) for term in stiff])
     # A joint turns by the same angle for the same moment, however stiff the beam that it holds.
-    lost = np.where(np.array(stiff) >= first_joint, np.clip(1.0 - values, 0.0, _LOOSE), 0.0)
+    lost = np.where(np.isin(stiff, joints), np.clip(1.0 - values, 0.0, _LOOSE), 0.0)
     warm -= lost * (2.0 - lost) / (1.0 - lost)
     columns = []
     if "temperature" in named:
@@ -116,8 +113,6 @@ def surroundings(
         if along is not None:
             places = [along[term] if 0 <= term < along.size else 0.0 for term in stiff]
             columns.append(_ON_ONE_SIDE * warm * np.array(places))
-        if grounded:
-            columns.append(_ON_GROUND * warm * np.isin(stiff, grounded))
     if "supports" in named:
         columns.append(_SUPPORTS * held)
     if "mass" in named:
@@ -1039,20 +1034,16 @@ class _Families(NamedTuple):
         return replace(found, lacking=len(family.factors) > len(self.plain.factors))
 
     def around(
-        self, family: _Family, error: ModelError, named: Sequence[str] | None = None
+        self, family: _Family, error: ModelError, named: Sequence[str] = ("temperature",)
     ) -> FloatArray:
-        """Changes of ln factor that the surroundings make, as :func:`surroundings` has them; None: that
-        temperature may."""
+        """Changes of ln factor that the surroundings make, as :func:`surroundings` has them."""
         model, springs = self.question.model, self.plain.structure.springs
         # The ground spring of a chain is a storey where it is a candidate.
         elements = {*model.default_elements, *self.question.elements}.difference(*(p.terms for p in springs))
         n_terms, values = model._core.n_stiffness_terms, np.exp(error.theta)
-        how = ("temperature",) if named is None else named, family.along
-        structure = family.structure  # springs of hinges and bases, which no temperature changes, come before
-        own = [p for p in structure.yielding if p.quantity == "stiffness_factor"]
-        first = n_terms + (len(own) - len(structure.springs) if len(family.factors) > len(self.plain.factors) else 0)
-        grounded = () if named is None else self.plain.structure.grounded
-        return surroundings(elements, n_terms, first, family.factors, values, *how, grounded)
+        beyond = (p for p in family.factors if p.quantity == "stiffness_factor" and p.terms[0] >= n_terms)
+        joints = [p.terms[0] for p in beyond if p not in family.structure.yielding]  # these are springs
+        return surroundings(elements, n_terms, joints, family.factors, values, named, family.along)
 
     def learn(self) -> tuple[ModelError, Values, FloatArray, float, Contradiction, Structure, bool]:
         """What ``_taught`` holds."""

@@ -221,7 +221,7 @@ class Structure:
 
     @property
     def grounded(self) -> list[int]:
-        """Elements that stand on the ground, where that is seen: a shift of all dofs strains them, and few."""
+        """Elements that stand on the ground, where that is seen: a shift of all strains few of them."""
         terms = self.model._core.stiffness_terms()
         pull = [np.abs(np.bincount(rows, values)).max(initial=0.0) for rows, _, values in terms]
         size = [np.abs(values).max(initial=0.0) for *_, values in terms]
@@ -411,8 +411,8 @@ class Frame(Structure):
                 self.turning[node] = "joint"
         self.inner: dict[int, Inner] = {}
         self.masses = [_of_core(term, self.n) for term in whole.mass_terms()[: len(self.ends)]]
-        #: Dofs of an element's hinges, and how they turn the dofs of its ends, (m, k); nodes that have any, and
-        #: directions of those that move.
+        #: Dofs of an element's hinges, and how they turn the dofs of its ends, (m, k); nodes that have
+        #: any, and in which direction they move.
         self.hinges: dict[int, tuple[list[int], FloatArray]] = {}
         self.hinge_nodes: list[tuple[int, str]] = []
         if highest_hz:
@@ -584,7 +584,7 @@ class Frame(Structure):
             shape = Shape("support", -1, 0.0, -1, 1.0, name=self.model.element_label(k))
             found.append((shape, _of_core(terms[k], n)))
         under = {key: first + k for k, key in enumerate(self.hinge_nodes)}  # learned, dofs of their own
-        for node, name in self.model.fixed:
+        for node, name in self.model._recipe.fixed:
             if self.turning.get(node) == "support" or name not in self.moves:  # a clamp turns first
                 continue
             force = np.zeros(self.n)
