@@ -353,6 +353,11 @@ KINDS = {
     "text": _QUOTED,
     "word": _QUOTED,
     "texts": Kind("text in quotes, or a list of such", _texts, 'Write "one" or ["one", "another"].'),
+    "names": Kind(
+        "text in quotes, or a list of such",
+        _any_of(_text, _list(_text, 0)),
+        'Write "one", ["one", "another"] or [].',
+    ),
     "number": Kind("a finite number", _number, "Write it without quotes, with a decimal point."),
     "numbers": Kind("a list of finite numbers", _list(_number, 0), "Write them as in [1.0, 2.5]."),
     "whole": Kind("a whole number", _whole, "Write it without quotes and decimal point."),
