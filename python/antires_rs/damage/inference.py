@@ -167,28 +167,20 @@ class Fit:
     covariance: FloatArray
     view: View
 
-    def interval(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
-        """Quantiles of one severity, given the set, as :meth:`sides` has them."""
-        _, (low, high) = self._between(nth, shares)
-        return -float(np.expm1(-low)), -float(np.expm1(-high))
-
-    def sides(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
-        """Shares between whose quantiles the likeliest severity is, else as much from the nearer bound on."""
-        return self._between(nth, shares)[0]
-
-    def _between(
+    def interval(
         self, nth: int, shares: tuple[float, float]
     ) -> tuple[tuple[float, float], tuple[float, float]]:
-        """These shares and their quantiles of u."""
+        """Quantiles of one severity, given the set, and their shares: those asked for if the likeliest
+        severity is between them, else as much from the nearer bound on."""
         low, high = self._quantiles(nth, shares)
         best, whole = self.u[nth], shares[1] - shares[0]
         if best <= 0.0 or best < low:
             shares = 0.0, whole
+            low, high = self._quantiles(nth, shares)
         elif best > high:
             shares = 1.0 - whole, 1.0
-        else:
-            return shares, (low, high)
-        return shares, self._quantiles(nth, shares)
+            low, high = self._quantiles(nth, shares)
+        return (-float(np.expm1(-low)), -float(np.expm1(-high))), shares
 
     @property
     def u(self) -> FloatArray:
@@ -231,21 +223,13 @@ def fitted(
     inside = log_inside(mean[near], covariance[near])
     spread = np.linalg.slogdet(covariance[near])[1] - 2.0 * start[near].sum(axis=1)
     volume = 0.5 * (size * np.log(2.0 * np.pi) + spread) - size * np.log(HIGHEST)
+    # With the error that a wrong model makes of a loss.
+    wider = covariance[near] + ((view.gain_std * best[near]) ** 2)[:, :, None] * np.eye(size)
     evidence = view.log_likelihood + 0.5 * np.sum(gain * step, axis=1)[near] + volume + inside
     return [
         Fit(tuple(sets[nth]), log_evidence, -np.expm1(-best[nth]), mean[nth], wide, view)
-        for nth, log_evidence, wide in zip(
-            near.tolist(), evidence.tolist(), _widened(covariance[near], best[near], view), strict=True
-        )
+        for nth, log_evidence, wide in zip(near.tolist(), evidence.tolist(), wider, strict=True)
     ]
-
-
-def _widened(covariance: FloatArray, u: FloatArray, view: View) -> FloatArray:
-    """Covariances (k, n, n) of u with the error that a wrong model makes of a loss."""
-    wide = covariance.copy()
-    at = np.arange(u.shape[1])
-    wide[:, at, at] += (view.gain_std * u) ** 2
-    return wide
 
 
 def refitted(view: View, elements: tuple[int, ...], *, at_peak: bool = False) -> Fit:
@@ -262,11 +246,6 @@ def refitted(view: View, elements: tuple[int, ...], *, at_peak: bool = False) ->
 # there are many elements a scan looks at those that would explain most to first order.
 
 Elements = tuple[int, ...]
-
-
-def other_key(nth: int) -> Elements:
-    """In place of elements, for what is in none of them."""
-    return (-2 - nth,)
 
 
 #: More elements than these are not all scanned; of one damage, and of a further one, so many are.
@@ -320,7 +299,11 @@ class Search:
         try:
             for size in range(1, min(LARGEST, self.n_candidates) + 1):
                 step(f"sets of {size}")
-                if self._ends_before(size):
+                # Nothing is left to explain, and no single element may be missing from the answer because it
+                # was not looked at; pairs are, unless slopes are trusted to show them.
+                looked = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
+                looked &= (self.ends_by_slopes and size > 1) or len(self._likeliest.elements) < size
+                if looked and self._explains(_PAIR_GAIN if size == 2 else _GAIN):
                     break
                 self._refine(self._starts(size))
                 if size == 2 and not self._any():
@@ -329,13 +312,6 @@ class Search:
             self._renew()
         except KeyboardInterrupt:
             self.interrupted = True
-
-    def _ends_before(self, size: int) -> bool:
-        """Whether the likeliest set explains the values, and others of its size were looked at."""
-        # No single element may be missing from the answer because it was not looked at.
-        singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
-        seen = (self.ends_by_slopes and size > 1) or len(self._likeliest.elements) < size
-        return singles and seen and self._explains(_PAIR_GAIN if size == 2 else _GAIN)
 
     def _any(self) -> bool:
         """Whether some set is more probable than a change that has nothing to do with elements."""
@@ -388,24 +364,21 @@ class Search:
         return sorted(near, key=lambda s: -weights[s])[:_RENEWED]
 
     def _renew(self) -> None:
-        """Judge the likeliest sets anew, each from its own severities."""
+        """Judge the likeliest sets anew, each from its own severities or where it rests from there."""
         sets = self._near()
         if sets:
             betas = np.array([self._row(elements, self.fits[elements].beta) for elements in sets])
             for elements, view in zip(sets, self.likelihood.views(betas), strict=True):
-                self._renewed(elements, view)
-
-    def _renewed(self, elements: Elements, view: View) -> None:
-        """Judge a set from its own severities, or from where it comes to rest if that is not there."""
-        climb = Climb(elements)
-        for _ in range(1 + _FURTHER):
-            climb.sees(view)
-            if fits := fitted(climb.view, [elements]):
-                self.fits[elements] = fits[0]
-                return
-            (view,) = self.likelihood.views(climb.ahead()[None])
-        if climb.share < 1.0:
-            self.fits[elements] = refitted(climb.view, elements, at_peak=True)
+                climb = Climb(elements)
+                for _ in range(1 + _FURTHER):
+                    climb.sees(view)
+                    if fits := fitted(climb.view, [elements]):
+                        self.fits[elements] = fits[0]
+                        break
+                    (view,) = self.likelihood.views(climb.ahead()[None])
+                else:
+                    if climb.share < 1.0:
+                        self.fits[elements] = refitted(climb.view, elements, at_peak=True)
 
     def _most_parents(self, size: int) -> int:
         """How many sets of a size get another element."""
@@ -422,25 +395,21 @@ class Search:
 
     def _judge(self, elements: Elements, view: View) -> None:
         """Tell the evidence of a set, and of those with one element more, as seen from one point."""
-        self._keep_better(view, [elements])
+        self._keep(fitted(view, [elements]))
         self._judge_larger(elements, view)
 
     def _judge_larger(self, elements: Elements, view: View) -> None:
         """Tell the evidence of the sets with one element more."""
         larger = [] if len(elements) == LARGEST or self.outside(elements) else self._larger(elements, view)
         if larger:
-            self._keep_better(view, [tuple(sorted((*elements, e))) for e in larger])
+            self._keep(fitted(view, [tuple(sorted((*elements, e))) for e in larger]))
 
-    def _keep_better(self, view: View, sets: Sequence[Elements]) -> None:
-        """The evidence of sets of one size as seen from one point, where no other point showed more."""
-        for fit in fitted(view, sets):
-            self._keep(fit)
-
-    def _keep(self, fit: Fit) -> None:
-        """A set as judged now, unless it was judged likelier before."""
-        known = self.fits.get(fit.elements)
-        if known is None or fit.log_evidence > known.log_evidence:
-            self.fits[fit.elements] = fit
+    def _keep(self, fits: Sequence[Fit]) -> None:
+        """Sets as judged now, unless they were judged likelier before."""
+        for fit in fits:
+            known = self.fits.get(fit.elements)
+            if known is None or fit.log_evidence > known.log_evidence:
+                self.fits[fit.elements] = fit
 
     @property
     def finished(self) -> bool:
@@ -489,7 +458,7 @@ class Search:
         return (*own, self.prior.log_elsewhere(others) if others else -np.inf, self.prior.log_unknown(others))
 
     def log_weights(self) -> dict[Elements, float]:
-        """Log of prior times evidence by elements, and of what is no damage of an element."""
+        """Log of prior times evidence by elements, and of what is in none of them, by -2 and down."""
         found = self._weights()
         for s, one in self.shaped.cracked.items():
             whole = found.get(s, -np.inf) + np.log1p(-CRACKED)
@@ -503,7 +472,7 @@ class Search:
                 if self.likelihood.n == self.n_candidates:
                     unknown = float(np.log(self.prior.unknown + elsewhere))
                 for nth, one in enumerate(self.shaped.others):
-                    found[other_key(nth)] = one.log_evidence + float(np.log(elsewhere))
+                    found[-2 - nth,] = one.log_evidence + float(np.log(elsewhere))
         return found | {UNKNOWN: self.likelihood.something_else + unknown}
 
     def shaped_as(self, key: Elements) -> Shaped | None:
@@ -515,12 +484,6 @@ class Search:
             return one
         odds = one.log_evidence - whole.log_evidence
         return one if odds > np.log1p(-CRACKED) - np.log(CRACKED) else None
-
-    def view_of(self, key: Elements) -> View:
-        """The values as the likeliest of a hypothesis sees them."""
-        one = self.shaped_as(key)
-        view: View = self.fits[() if key == UNKNOWN else key].view if one is None else one.view
-        return view
 
     def _weights(self) -> dict[Elements, float]:
         return {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
@@ -606,7 +569,7 @@ class Search:
             self._see(moving, np.array([climb.ahead() for climb in moving]))
         for climb in moving:
             if not climb.rests and climb.share < 1.0:
-                self._keep(refitted(climb.view, climb.elements, at_peak=True))
+                self._keep([refitted(climb.view, climb.elements, at_peak=True)])
 
 
 def too_much(view: View) -> bool:
@@ -686,7 +649,7 @@ def log_odds_threshold(
     """Log odds of damage that the share of intact tests wanted exceeds; ``slopes`` are ``intact_slopes``."""
     from scipy.special import logsumexp
 
-    if options.quantile is None:
+    if options.false_alarm_rate is None:
         return None
     n = slopes.shape[1]
     size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-6)
@@ -695,7 +658,8 @@ def log_odds_threshold(
     room = size * HIGHEST
     evidence = 0.5 * height**2 + log_between(-height, room - height) + np.log(np.sqrt(2.0 * np.pi) / room)
     odds = logsumexp(evidence, axis=1)
-    return float(np.quantile(odds, options.quantile)) + prior.log_of(1, n) - prior.log_of(0, n)
+    least = float(np.quantile(odds, 1.0 - options.false_alarm_rate))
+    return least + prior.log_of(1, n) - prior.log_of(0, n)
 
 
 def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
@@ -758,7 +722,11 @@ def smallest_found(
     against = prior.log_of(0, n) - prior.log_of(1, n) + np.log(size * HIGHEST / np.sqrt(2.0 * np.pi))
     # Height of a loss over its standard deviation, and how much less probable no damage is there.
     height = np.geomspace(0.5, 500.0, _HEIGHTS)
-    worth = _log_likelihood(np.array([float(m)]), m) - _log_likelihood(m + height**2, m)
+    chi_square = np.append(0.0, height**2) + m
+    times, share = np.array([each[1:] for each in ERRORS]).T  # errors as they may be: multiples of the stated
+    logs = np.log(share) - m * np.log(times) - 0.5 * chi_square[:, None] / times**2
+    probable = np.logaddexp.reduce(logs, axis=1)
+    worth = probable[0] - probable[1:]
     least = np.interp(np.maximum(against, 0.0), worth, height)
     unit = slopes / size
     alike = np.clip(unit.T @ unit, -1.0, 1.0)
@@ -779,13 +747,6 @@ def smallest_found(
         if shown[-1] >= _NINE_OF_TEN:
             found[e] = np.interp(_NINE_OF_TEN, shown, height) / size[e]
     return np.where(_BESIDES * found <= HIGHEST, _BESIDES * found, np.inf)
-
-
-def _log_likelihood(chi_square: FloatArray, m: int) -> FloatArray:
-    """Of m values with errors as they may be: multiples of those stated."""
-    times, share = np.array([each[1:] for each in ERRORS]).T
-    logs = np.log(share) - m * np.log(times) - 0.5 * chi_square[:, None] / times**2
-    return np.asarray(np.logaddexp.reduce(logs, axis=1))
 
 
 # -- The answers of a search on reduced models, judged anew where full and reduced model agree
@@ -918,24 +879,21 @@ def posterior(
         probability = min(float(np.exp(weight - total)), 1.0)
         if probability < least and elements and elements != kept:
             continue
-        rows.append((elements, _hypothesis(search, elements, probability, numbers)))
+        own = UNKNOWN if elements and elements[0] < 0 else tuple(numbers[e] for e in elements)
+        if elements == UNKNOWN:
+            row = Hypothesis(own, probability, (), (), (), candidate=False, kind="unknown")
+        elif one := search.shaped_as(elements):
+            losses = one.severities, one.low, one.high
+            row = Hypothesis(own, probability, *losses, own != UNKNOWN, kind=one.kind, place=one.place)
+        else:
+            fit = search.fits[elements]
+            ends = [fit.interval(nth, SHARES)[0] for nth in range(len(elements))]
+            low, high = (tuple(end[side] for end in ends) for side in (0, 1))
+            row = Hypothesis(
+                own, probability, tuple(fit.beta.tolist()), low, high, not search.outside(elements)
+            )
+        rows.append((elements, row))
     return sorted(rows, key=lambda row: (-row[1].probability, row[0]))
-
-
-def _hypothesis(search: Search, key: Elements, probability: float, numbers: Sequence[int]) -> Hypothesis:
-    """One row of the table."""
-    if key == UNKNOWN:
-        return Hypothesis(UNKNOWN, probability, (), (), (), candidate=False, kind="unknown")
-    one = search.shaped_as(key)
-    if one is not None:
-        own = UNKNOWN if key[0] < 0 else tuple(numbers[e] for e in key)
-        words: Any = {"candidate": key[0] >= 0, "kind": one.kind, "place": one.place}
-        return Hypothesis(own, probability, one.severities, one.low, one.high, **words)
-    fit = search.fits[key]
-    ends = [fit.interval(nth, SHARES) for nth in range(len(key))]
-    low, high = (tuple(end[side] for end in ends) for side in (0, 1))
-    own, candidate = tuple(numbers[e] for e in key), not search.outside(key)
-    return Hypothesis(own, probability, tuple(fit.beta.tolist()), low, high, candidate)
 
 
 def concluded(
@@ -959,7 +917,9 @@ def concluded(
     if best.candidate and learned.threshold is not None:
         odds = float(np.logaddexp.reduce([-np.inf, *damage.values()])) - weights[()]
         declared = tuple(numbers[e] for e in likeliest) if odds > learned.threshold else ()
-    view = search.view_of(key)
+    # The values as the likeliest hypothesis sees them.
+    shaped = search.shaped_as(key)
+    view: View = search.fits[() if key == UNKNOWN else key].view if shaped is None else shaped.view
     matched, n_free = view.n_matched, 1 if key[:1] < (-1,) else len(best.severities)
     shift = likelihood.moved_alike if key == UNKNOWN else float(np.expm1(view.shift))
     taught = {each.name: getattr(learned, each.name) for each in fields(Taught)}

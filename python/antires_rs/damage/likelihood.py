@@ -44,6 +44,7 @@ from .measured_states import (
     contradiction,
     follow,
     measured_states,
+    moved_alike,
     price_alone,
     roots_at,
     scatter_between,
@@ -51,7 +52,7 @@ from .measured_states import (
 )
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import ReducedRoots, Terms
-from .shapes import Joined, Structure, structure_of
+from .shapes import Joined, Structure, joined, parameters_of, structure_of
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -63,15 +64,13 @@ Core = Source | _core.Objective
 BOUNDS = (0.2, 5.0)  # bounds of a factor, exp(-1.6) to exp(1.6): no model of an engineer is as wrong as that
 
 
-def factors_of(model: StructuralModel) -> tuple[Parameter, ...]:
-    """A factor for each stiffness and mass term that is not zero."""
-    stiffness = [Parameter("stiffness_factor", (term,), BOUNDS) for term in model._springs]
-    mass = [Parameter("mass_factor", (term,), BOUNDS) for term in range(model._core.n_mass_terms)]
-    return _governing(model, (*stiffness, *mass))
-
-
-def _governing(model: StructuralModel, factors: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
-    """Those that may be anywhere within their bounds: all, or halves of them looked at anew."""
+def factors_of(model: StructuralModel, factors: tuple[Parameter, ...] | None = None) -> tuple[Parameter, ...]:
+    """A factor for each stiffness and mass term that is not zero; of some ``factors`` those that may be
+    anywhere within their bounds."""
+    if factors is None:
+        stiffness = [Parameter("stiffness_factor", (term,), BOUNDS) for term in model._springs]
+        mass = [Parameter("mass_factor", (term,), BOUNDS) for term in range(model._core.n_mass_terms)]
+        factors = (*stiffness, *mass)
     try:
         low, high = (np.full(len(factors), bound) for bound in BOUNDS)
         _core.check_bounds(model._core, model.description.core_parameters(factors), low, high)
@@ -80,7 +79,7 @@ def _governing(model: StructuralModel, factors: tuple[Parameter, ...]) -> tuple[
         half = len(factors) // 2
         if not half:  # a term that is zero, or without which nothing holds together
             return ()
-        return _governing(model, factors[:half]) + _governing(model, factors[half:])
+        return factors_of(model, factors[:half]) + factors_of(model, factors[half:])
 
 
 #: Standard deviations of ln factor that the surroundings make: temperature of all and along the longer side,
@@ -458,14 +457,6 @@ class Band(NamedTuple):
     low: float
     high: float
 
-    def prices(self, place: FloatArray, seen: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
-        """Prices of roots that are missed, and of those that are found; ``seen`` in the other state."""
-        found = np.where(seen, FOUND, FOUND_ONCE)
-        # Near the edges of the band nobody knows whether a root would have been found.
-        inside = np.clip(np.minimum(place - self.low, self.high - place) / _EDGE, 0.0, 1.0)
-        missed, present = -inside * np.log([1.0 - found, found])
-        return missed, present
-
 
 class Foreseen(NamedTuple):
     """Roots (r,) as they are expected in the measured structure at some severities."""
@@ -511,7 +502,10 @@ def associated(
 ) -> tuple[NDArray[np.intp], FloatArray, float]:
     """Root of each value, the values as seen from there, and what those without a partner cost."""
     expected = roots.place + roots.shift
-    missed, present = (np.where(roots.roots.kind == 0, p, 0.0) for p in band.prices(expected, roots.seen))
+    # Near the edges of the band nobody knows whether a root would have been found; a shape is or is not.
+    inside = np.clip(np.minimum(expected - band.low, band.high - expected) / _EDGE, 0.0, 1.0)
+    found = np.where(roots.seen, FOUND, FOUND_ONCE)
+    missed, present = np.where(roots.roots.kind == 0, -inside * np.log([1.0 - found, found]), 0.0)
     alone = price_alone(*band)
     partner, place, lost = now.associated(roots.roots, expected, sigma, alone, missed - present, wider)
     taken = partner[partner >= 0]
@@ -536,7 +530,9 @@ def _judged(
     residual = place[has] - roots.place[root]
     model, noise = roots.spread[np.ix_(root, root)], np.diag(now.std[has] ** 2)
     change = (roots.change + roots.shift)[root]
-    size = np.sqrt(change**2 + _COMMON * _mean_of_kind(change**2, roots.roots.kind[root]))
+    kind = roots.roots.kind[root]
+    usual = np.bincount(kind, change**2) / np.maximum(np.bincount(kind), 1)  # mean square of each kind
+    size = np.sqrt(change**2 + _COMMON * usual[kind])
     # Two tests of one state share the error of a root's change.
     unmodelled = (root[:, None] == root) * np.outer(size, size)
     kappa, times, mixed = errors.T[:3, :, None, None]
@@ -572,7 +568,7 @@ def _judged(
         felt = together[:, 1:].T @ pull
         felt[: roots.n_warm] *= way == _WARM
         moved = ways[way] @ (ways[way].T @ pull)
-        shift = float(np.median(moved[roots.roots.kind[root] == 0])) if way else 0.0
+        shift = float(np.median(moved[kind == 0])) if way else 0.0
     price += 0.5 * has.size * float(np.log(2.0 * np.pi))
     return View(
         beta=beta,
@@ -622,14 +618,6 @@ def all_errors(outside: float, with_mixed: float) -> FloatArray:
     with np.errstate(divide="ignore"):
         rows[:, 3:] = np.log(rows[:, 3:])
     return rows
-
-
-def _mean_of_kind(squares: FloatArray, kind: NDArray[np.intp]) -> FloatArray:
-    """The mean of those of the same kind, for each."""
-    found = np.zeros(squares.size)
-    for each in np.unique(kind):
-        found[kind == each] = squares[kind == each].mean()
-    return found
 
 
 # -- Roots that the baseline shows and the model loses on the way to a damage: two that met
@@ -773,6 +761,8 @@ class Likelihood(ValueLikelihood):
     ) -> None:
         self.core, self.n, self.error, self.now, self.threads = core, n_elements, error, now, threads
         self.common, self.nfev, self.n_elements = common, 0, n_elements
+        #: What is added to severities: shapes behind the elements may have another amount that is no change.
+        self.offset: FloatArray | float = 0.0
         self.band = _band(now, intact)
         self.factors = np.exp(error.theta)
         #: Changes of ln factor (p, k) that the surroundings make, of standard deviation 1 each.
@@ -807,7 +797,7 @@ class Likelihood(ValueLikelihood):
         """The model's roots at each row of severities (m, n), where ln factors have ``changed`` by (m, p)."""
         self.nfev += len(betas)
         changed = np.zeros((len(betas), self.factors.size)) if changed is None else changed
-        x = np.hstack([betas, self.factors * np.exp(changed)])
+        x = np.hstack([betas + self.offset, self.factors * np.exp(changed)])
         band_hz = (np.exp(self.band.low - 2.0 * _MARGIN), np.exp(self.band.high + 2.0 * _MARGIN))
         return roots_at(self.core, x, slopes=slopes, threads=self.threads, band_hz=band_hz)
 
@@ -939,11 +929,6 @@ class Prepared(NamedTuple):
     n_given: int  # factors that are of this
 
     @property
-    def reductions(self) -> tuple[Parameter, ...]:
-        """The losses of all elements."""
-        return tuple(stiffness_reduction(self.numbers))
-
-    @property
     def stiffness_factors(self) -> dict[int, float]:
         """Factor of each element's stiffness after the baseline."""
         pairs = zip(self.factors, self.likelihood.factors.tolist(), strict=True)
@@ -1001,10 +986,10 @@ class _Families(NamedTuple):
         base = structure.finer or model
         joints, given = structure.joints(), {(p.quantity, p.terms) for p in factors}
         springs = [p for p in structure.yielding if (p.quantity, p.terms) not in given]
-        more = (*springs, *joints.factors(base, BOUNDS)) if yields else ()
+        more = (*springs, *parameters_of(base, joints, BOUNDS)) if yields else ()
         if base is model and not more:
             return self.plain
-        base, every = joints.joined(base) if more and len(joints) else base, (*factors, *more)
+        base, every = joined(base, joints) if more and joints else base, (*factors, *more)
         reductions = stiffness_reduction(self.question.numbers)
         core = self.responses.source(
             base, model.description.core_parameters((*reductions, *every)), **self.how
@@ -1013,7 +998,7 @@ class _Families(NamedTuple):
         group = np.pad(self.plain.group, (0, len(more)), constant_values=1)
         along = structure.along
         if along is not None:
-            of = [shape.element for shape in joints.shapes if shape.kind != "mass"] if more else []
+            of = [shape.element for shape in joints if shape.kind != "mass"] if more else []
             places = np.zeros(base._core.n_stiffness_terms)
             places[: along.size] = along
             places[places.size - len(of) :] = [along[e] if e >= 0 else 0.0 for e in of]
@@ -1049,7 +1034,11 @@ class _Families(NamedTuple):
         """What ``_taught`` holds."""
         step("learning the model's errors")
         question, responses, intact = self.question, self.responses, self.intact
-        error, family = self.taught(self.plain, intact), self.plain
+        identified = isinstance(responses, Responses)
+        # Which root each value belongs to is told without what moves all of a test.
+        moved = moved_alike(intact, responses.tests) if identified else np.zeros(intact.size)
+        still = replace(intact, log_f=intact.log_f - moved) if moved.any() else intact
+        error, family = self.taught(self.plain, still), self.plain
         if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
             reject(
                 "model",
@@ -1058,25 +1047,25 @@ class _Families(NamedTuple):
                 f"{question.hint()} Check units, dofs and supports of the model, and the band of the "
                 "measurement.".lstrip(),
             )
-        identified = isinstance(responses, Responses)
         if identified and not question.reduced and intact.size:
-            error, family = self.likeliest(error)
-        drift, scatter = np.zeros(0), scatter_between(intact, error.place, error.partner)
+            error, family = self.likeliest(error, still)
+        place = error.place + moved
+        drift, scatter = np.zeros(0), scatter_between(intact, place, error.partner)
         if scatter > 1.0:
             if identified:
                 by_factors = error.intact.slopes[:, len(question.numbers) :] * np.exp(error.theta)
                 by_heat = by_factors @ self.around(family, error)
-                intact, drift = without_shifts(intact, error.place, error.partner, by_heat)
+                intact, drift = without_shifts(intact, place, error.partner, by_heat)
                 scatter = scatter_between(intact, intact.log_f, error.partner)
             error = self.taught(family, intact.noisier(scatter))
         odd = contradiction(intact.plain, responses.tests)
         yields = len(family.factors) > len(self.plain.factors)
         return error, intact, drift, scatter, odd, family.structure, yields
 
-    def likeliest(self, error: ModelError) -> tuple[ModelError, _Family]:
+    def likeliest(self, error: ModelError, intact: Values) -> tuple[ModelError, _Family]:
         """The model under which the intact values are most probable; ``error`` is of the plain one."""
         family, structures = self.plain, [self.plain.structure]
-        finer = structure_of(self.question.model, float(np.exp(self.intact.plain.log_f.max())))
+        finer = structure_of(self.question.model, float(np.exp(intact.plain.log_f.max())))
         structures = [finer, *structures] if finer.finer else structures
         for yields, clearly in ((False, 0.0), (True, _CLEARLY)):
             if yields and not (self.question.model_error is None and error.doubtful):
@@ -1085,7 +1074,7 @@ class _Families(NamedTuple):
             for structure in structures:
                 step("learning what its elements do between nodes, and what joints yield")
                 other = self.of(structure.hinged(self.left) if yields else structure, yields)
-                if other is not self.plain and (its := self.taught(other, self.intact)).log_evidence > least:
+                if other is not self.plain and (its := self.taught(other, intact)).log_evidence > least:
                     error, family, least = its, other, its.log_evidence
                 if yields and not error.doubtful:  # what resolves its waves needs no other
                     break
