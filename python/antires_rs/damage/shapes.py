@@ -296,18 +296,16 @@ class Chain(Structure):
             return self
         core, n, (term, foot) = self.model._core, self.model.n_dof, self._stands
         terms, masses = core.stiffness_terms(), core.mass_terms()
-        stiffness = float(np.sum(terms[term][2]))
-        heavy = np.array([float(as_sparse(core.mass()).diagonal()[foot])])
-        ends, base = (np.array([foot, n, n]), np.array([n, foot, n])), np.array([n])
-        under = (*ends, stiffness * np.array([-1.0, -1.0, 1.0]))
-        terms[term] = _together([terms[term], under])
-        whole, mass = _entries(core.stiffness()), _together([_entries(core.mass()), (base, base, heavy)])
+        stiff, mass = float(np.sum(terms[term][2])), as_sparse(core.mass()).diagonal()[foot]
+        under = np.array([foot, n, n]), np.array([n, foot, n]), stiff * np.array([-1.0, -1.0, 1.0])
+        terms[term], base = _together([terms[term], under]), _masses(mass, [n])
         found: list[tuple[float, Structure]] = [(left(self), self)]
         for times in _BASES:
-            other, spring = copy(self), (base, base, np.array([times * stiffness]))
-            added = [*terms, _together([spring])], [*masses, _together([(base, base, heavy)])]
-            every = _together([whole, under, spring])
-            other.finer = Joined(n + 1, CoreModel.from_matrices(n + 1, every, mass, *added))
+            other, spring = copy(self), _masses(times * stiff, [n])
+            whole = _together([_entries(core.stiffness()), under, spring])
+            heavy = _together([_entries(core.mass()), base])
+            made = CoreModel.from_matrices(n + 1, whole, heavy, [*terms, spring], [*masses, base])
+            other.finer = Joined(n + 1, made)
             found.append((left(other), other))
         return min(found, key=lambda each: each[0])[1]
 
@@ -568,26 +566,23 @@ class Frame(Structure):
         return tuple(Parameter("stiffness_factor", (k,), (0.2, 5.0)) for k in held)
 
     def _pins(self, factor: Mapping[int, float]) -> list[Shape]:
-        """Pins and rollers that yield."""
+        """Pins and rollers that yield; a clamp turns first."""
         first, found = self.model._core.n_stiffness_terms, []
-        under = {key: first + k for k, key in enumerate(self.hinge_nodes)}  # learned, dofs of their own
         for node, name in self.model._recipe.fixed:
-            if self.turning.get(node) == "support" or name not in self.moves:  # a clamp turns first
+            if self.turning.get(node) == "support" or name not in self.moves:
                 continue
-            force = np.zeros(self.n)
+            at, force = self.at[node, name], np.zeros(self.n)
             for element, _ in self.meeting.get(node, ()):
-                column = self.stiffness[element][:, [self.at[node, name]]].toarray()[:, 0]
-                force += factor.get(element, 1.0) * column
-            own = force[self.free] / np.sqrt(max(force[self.at[node, name]], 1e-300))
-            if not own.any():
+                force += factor.get(element, 1.0) * self.stiffness[element][:, [at]].toarray()[:, 0]
+            if not force[self.free].any():
                 continue
-            term = _product(own)
-            if self.finer is not None and (node, name) in under:
-                k = under[node, name]
+            term = _product(force[self.free] / np.sqrt(force[at]))
+            if self.finer is not None and (node, name) in self.hinge_nodes:  # it was learned
+                k = first + self.hinge_nodes.index((node, name))
                 rows, columns, values = self.finer._core.stiffness_terms()[k]
-                term = Entries(rows, columns, factor.get(k, 1.0) * np.asarray(values))
-            called = f"support at node {node} ({name})"
-            found.append(Shape("support", -1, 0.0, node, 1.0, term, name=called))
+                term = Entries(rows, columns, factor.get(k, 1.0) * values)
+            named = f"support at node {node} ({name})"
+            found.append(Shape("support", -1, 0.0, node, 1.0, term, name=named))
         return found
 
     def cracks(self, element: int, shares: Sequence[float], factor: Mapping[int, float]) -> list[Shape]:
