@@ -324,7 +324,7 @@ def without_idle(found: Assessment) -> Assessment:
         smaller[0] = replace(first, elements=(), severities=(), low=(), high=())
     if smaller == rows:
         return found
-    what, less = (
+    what, less = (  # elements, or what else has changed
         [(one.elements, one.place if one.unknown else "") for one in own] for own in (rows, smaller)
     )
     merged = dict(zip(reversed(less), reversed(smaller), strict=True)) | dict(zip(what, rows, strict=True))
@@ -333,10 +333,9 @@ def without_idle(found: Assessment) -> Assessment:
         share[key] = share.get(key, 0.0) + one.probability
     summed = {key: replace(merged[key], probability=p) for key, p in share.items()}
     of = {key: summed[smaller_key] for key, smaller_key in zip(what, less, strict=True)}
-    by_row, declared = dict(zip(rows, of.values(), strict=True)), of.get((found.declared, ""))
-    first = by_row[rows[0]]
+    first, declared = of[what[0]], of.get((found.declared, ""))
     ordered = sorted(summed.values(), key=lambda one: (one is not first, -one.probability, one.elements))
-    group = tuple([*dict.fromkeys(by_row[one] for one in found.group)] or together(ordered))
+    group = tuple([*dict.fromkeys(of[one.elements, ""] for one in found.group)] or together(ordered))
     named = Hypotheses(ordered, found.hypotheses._names)
     kept = found.declared if declared is None else declared.elements
     return replace(found, hypotheses=named, group=group, declared=kept)
