@@ -389,6 +389,7 @@ _PAIRED = 0.1
 _TIMES, _ODD, _DEVIATIONS = 3.0, 0.002, 5.0
 _CONTRADICTING = 0.01  # without a third test, or if no single one is odd, so much is more than tests scatter
 _UPPER = 75.0
+_WARMEST = 0.02  # what moves all values of a test by more is no temperature (ln f)
 
 
 def scatter_between(values: Values, place: FloatArray, root: NDArray[np.intp]) -> float:
@@ -479,15 +480,16 @@ def _apart(values: Values, one: int, other: int) -> tuple[float, float] | None:
 
 def moved_alike(values: Values, forces: Sequence[int]) -> FloatArray:
     """How far all values of a test lie above those of the first with its force, for each value (ln f), less
-    the mean of these tests; 0 where they do not differ by more than their errors."""
+    the mean of these tests; 0 where they differ by no more than their errors, or far more."""
     found = np.zeros(values.size)
     for force in set(forces):
         tests = [nth for nth, each in enumerate(forces) if each == force]
         above = np.zeros(len(tests))
         for at, test in enumerate(tests[1:], 1):
             change, error, _ = _between(values, test, tests[0])
-            if change.size >= _LEAST_REPEATS and abs(np.median(change)) > _DEVIATIONS * np.median(error):
-                above[at] = np.median(change)
+            own = float(np.median(change)) if change.size >= _LEAST_REPEATS else 0.0
+            if own and _DEVIATIONS * np.median(error) < abs(own) < _WARMEST:
+                above[at] = own
         for test, own in zip(tests, above - above.mean(), strict=True):
             found[values.test == test] = own
     return found
