@@ -595,7 +595,7 @@ class Truss(Structure):
         if not moved:
             return {(node, name): 1.0}
         line = next(line for line in self.lines if node in line)
-        return {(end, name): 0.5 for end in line}
+        return {(end, name): 0.5 for end in line if (end, name) not in self.fixed[:2]}
 
     @property
     def drive(self):

@@ -149,3 +149,5 @@ def test_what_may_differ_between_the_tests(tmp_path):
     assert set(losses(summary)) == {"spring 4"}
     kept = ar.DamageResult.load(tmp_path / "job_results" / "result.npz")
     assert kept.options["environment"] == ["temperature"]
+    run(tmp_path, WITH.replace("[search]", "environment = []\n\n[search]"))  # nothing else may
+    assert ar.DamageResult.load(tmp_path / "job_results" / "result.npz").options["environment"] == []

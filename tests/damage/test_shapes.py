@@ -164,7 +164,7 @@ def test_what_warms_and_by_how_much():
     flexible, warmth, step = 0.4, [], 1e-5
     for by in (1.0, 1.0 + step):
         warmth.append(np.log(1.0 - by + by / (1.0 + flexible * by)))
-    columns = surroundings({0}, 2, one, np.array([1.0, 1.0, np.exp(warmth[0])]), ("temperature",), None)
+    columns = surroundings({0}, 2, [2], one, np.array([1.0, 1.0, np.exp(warmth[0])]), ("temperature",), None)
     assert columns[:, 0] / columns[0, 0] == pytest.approx(
         [1.0, 0.0, (warmth[1] - warmth[0]) / step], rel=1e-3
     )
@@ -175,6 +175,34 @@ def test_what_warms_and_by_how_much():
     ]
     places = structure_of(ar.MatrixModel(chain.stiffness(), chain.mass(), stiffness_terms=terms)).along
     assert np.argsort(places).tolist() in ([0, 5, 1, 4, 2, 3], [3, 2, 4, 1, 5, 0])
+
+
+def test_supports_of_bars_rollers_and_a_base_are_seen_in_the_models():
+    """Bars on the ground are those of its ground springs; a pin yields by what its beams hold it with; a base
+    on a spring is as a softer lowest storey."""
+    chain = ar.MassSpringChain(np.ones(7), np.full(6, 1e4), ground_first_n_per_m=8e3)
+    assert structure_of(chain).grounded == [6]
+    bar = ar.Rectangle(0.04, 0.008, 7.0e10, 2700.0)
+    held = [(0, "u"), (0, "v"), (4, "v")]
+    beam = structure_of(
+        ar.FrameModel([(0.2 * i, 0.0) for i in range(5)], [(i, i + 1) for i in range(4)], bar, fixed=held)
+    )
+    pins = [shape for shape in beam.shapes({}) if shape.kind == "support"]
+    assert [shape.name for shape in pins] == [f"support at node {n}" for n in ("0 (u)", "0 (v)", "4 (v)")]
+    loose = ar.FrameModel(beam.nodes, beam.ends, bar, fixed=held[:2])
+    whole, at = loose.stiffness().toarray(), loose.dof(4, "v")
+    rest = np.delete(np.arange(loose.n_dof), at)
+    free = whole[np.ix_(rest, rest)] - np.outer(whole[rest, at], whole[at, rest]) / whole[at, at]
+    yielded = beam.model.stiffness().toarray()
+    rows, columns, values = pins[2].term
+    np.subtract.at(yielded, (rows, columns), values)
+    np.testing.assert_allclose(yielded, free, atol=1e-9 * np.abs(free).max())
+    based = structure_of(chain).hinged(lambda structure: float(structure.finer is None))
+    k, m = (as_sparse(each).toarray() for each in (based.finer._core.stiffness(), based.finer._core.mass()))
+    assert m[7, 7] == 1.0
+    assert k[7, 7] == pytest.approx(8e3 * 31.0)
+    folded = k[:7, :7] - np.outer(k[:7, 7], k[7, :7]) / k[7, 7]
+    assert folded[0, 0] == pytest.approx(1e4 + 8e3 / (1.0 + 1.0 / 30.0))
 
 
 def test_what_moves_all_values_of_an_intact_test_is_no_scatter_of_each():

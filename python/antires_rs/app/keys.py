@@ -346,6 +346,7 @@ def _any_of(*kinds: Callable[[Any], bool]) -> Callable[[Any], bool]:
 
 _whole, _text, _dof = _plain(int), _plain(str), _plain(int, str)
 _dof_or_false = _any_of(_dof, lambda value: value is False)
+_names = _any_of(_text, _list(_text, 0))
 _texts, _terms = _any_of(_text, _list(_text)), _any_of(_dof, _list(_dof))
 _dofs = _any_of(_list(_dof_or_false), _table(_dof_or_false))
 _QUOTED = Kind("text in quotes", _text, "Put it in quotes.")
@@ -353,6 +354,7 @@ KINDS = {
     "text": _QUOTED,
     "word": _QUOTED,
     "texts": Kind("text in quotes, or a list of such", _texts, 'Write "one" or ["one", "another"].'),
+    "names": Kind("text in quotes, or a list of such", _names, 'Write "one", ["one", "another"] or [].'),
     "number": Kind("a finite number", _number, "Write it without quotes, with a decimal point."),
     "numbers": Kind("a list of finite numbers", _list(_number, 0), "Write them as in [1.0, 2.5]."),
     "whole": Kind("a whole number", _whole, "Write it without quotes and decimal point."),

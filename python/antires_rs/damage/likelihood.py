@@ -44,6 +44,7 @@ from .measured_states import (
     contradiction,
     follow,
     measured_states,
+    moved_alike,
     price_alone,
     roots_at,
     scatter_between,
@@ -90,6 +91,7 @@ _LOOSE = 0.8  # a joint has not lost more where its warmth is judged
 def surroundings(
     elements: set[int],
     n_terms: int,
+    joints: Sequence[int],
     factors: Sequence[Parameter],
     values: FloatArray,
     named: Sequence[str],
@@ -97,12 +99,12 @@ def surroundings(
 ) -> FloatArray:
     """Changes of ln factor (p, k) that go together, of standard deviation 1 each, where factors have these
     ``values``; of the model's ``n_terms`` of stiffness these are ``elements``, the others springs, and terms
-    behind them joints; ``along`` is the place of each term between -1 and 1."""
+    behind them ``joints``; ``along`` is the place of each term between -1 and 1."""
     stiff = [p.terms[0] if p.quantity == "stiffness_factor" else -1 for p in factors]
     warm = np.array([float(term in elements) for term in stiff])
     held = np.array([float(0 <= term < n_terms and term not in elements) for term in stiff])
     # A joint turns by the same angle for the same moment, however stiff the beam that it holds.
-    lost = np.where(np.array(stiff) >= n_terms, np.clip(1.0 - values, 0.0, _LOOSE), 0.0)
+    lost = np.where(np.isin(stiff, joints), np.clip(1.0 - values, 0.0, _LOOSE), 0.0)
     warm -= lost * (2.0 - lost) / (1.0 - lost)
     columns = []
     if "temperature" in named:
@@ -311,7 +313,7 @@ def _from(
         root, std = partner[has], values.std[has]
         rows = rows_of(slopes[root], root, intact)
         y = place[has] - intact.log_f[root] + slopes[root] @ theta
-        if not fixed and not last:
+        if has.size and not fixed and not last:
             s, taus = _scales(rows, y, std, group, intact.kind)
         prior = np.concatenate([s[group] ** 2, taus[intact.kind] ** 2])
         factor = cho_factor((rows * prior) @ rows.T + np.diag(std**2), lower=True)
@@ -527,7 +529,7 @@ def _judged(
     root = partner[has]
     residual = place[has] - roots.place[root]
     model, noise = roots.spread[np.ix_(root, root)], np.diag(now.std[has] ** 2)
-    change = roots.change[root]
+    change = (roots.change + roots.shift)[root]
     kind = roots.roots.kind[root]
     usual = np.bincount(kind, change**2) / np.maximum(np.bincount(kind), 1)  # mean square of each kind
     size = np.sqrt(change**2 + _COMMON * usual[kind])
@@ -982,8 +984,8 @@ class _Families(NamedTuple):
         that yield, each by a factor of its own, if there are any."""
         model, factors = self.question.model, self.plain.factors
         base = structure.finer or model
-        joints, given = structure.joints(), {p.terms for p in factors if p.quantity == "stiffness_factor"}
-        springs = [p for p in structure.yielding if p.terms not in given]
+        joints, given = structure.joints(), {(p.quantity, p.terms) for p in factors}
+        springs = [p for p in structure.yielding if (p.quantity, p.terms) not in given]
         more = (*springs, *parameters_of(base, joints, BOUNDS)) if yields else ()
         if base is model and not more:
             return self.plain
@@ -996,7 +998,7 @@ class _Families(NamedTuple):
         group = np.pad(self.plain.group, (0, len(more)), constant_values=1)
         along = structure.along
         if along is not None:
-            of = [shape.element for shape in joints] if more else []
+            of = [shape.element for shape in joints if shape.kind != "mass"] if more else []
             places = np.zeros(base._core.n_stiffness_terms)
             places[: along.size] = along
             places[places.size - len(of) :] = [along[e] if e >= 0 else 0.0 for e in of]
@@ -1024,13 +1026,19 @@ class _Families(NamedTuple):
         # The ground spring of a chain is a storey where it is a candidate.
         elements = {*model.default_elements, *self.question.elements}.difference(*(p.terms for p in springs))
         n_terms, values = model._core.n_stiffness_terms, np.exp(error.theta)
-        return surroundings(elements, n_terms, family.factors, values, named, family.along)
+        beyond = (p for p in family.factors if p.quantity == "stiffness_factor" and p.terms[0] >= n_terms)
+        joints = [p.terms[0] for p in beyond if p not in family.structure.yielding]  # these are springs
+        return surroundings(elements, n_terms, joints, family.factors, values, named, family.along)
 
     def learn(self) -> tuple[ModelError, Values, FloatArray, float, Contradiction, Structure, bool]:
         """What ``_taught`` holds."""
         step("learning the model's errors")
         question, responses, intact = self.question, self.responses, self.intact
-        error, family = self.taught(self.plain, intact), self.plain
+        identified = isinstance(responses, Responses)
+        # Which root each value belongs to is told without what moves all of a test.
+        moved = moved_alike(intact, responses.tests) if identified else np.zeros(intact.size)
+        still = replace(intact, log_f=intact.log_f - moved) if moved.any() else intact
+        error, family = self.taught(self.plain, still), self.plain
         if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
             reject(
                 "model",
@@ -1039,25 +1047,25 @@ class _Families(NamedTuple):
                 f"{question.hint()} Check units, dofs and supports of the model, and the band of the "
                 "measurement.".lstrip(),
             )
-        identified = isinstance(responses, Responses)
         if identified and not question.reduced and intact.size:
-            error, family = self.likeliest(error)
-        drift, scatter = np.zeros(0), scatter_between(intact, error.place, error.partner)
+            error, family = self.likeliest(error, still)
+        place = error.place + moved
+        drift, scatter = np.zeros(0), scatter_between(intact, place, error.partner)
         if scatter > 1.0:
             if identified:
                 by_factors = error.intact.slopes[:, len(question.numbers) :] * np.exp(error.theta)
                 by_heat = by_factors @ self.around(family, error)
-                intact, drift = without_shifts(intact, error.place, error.partner, by_heat)
+                intact, drift = without_shifts(intact, place, error.partner, by_heat)
                 scatter = scatter_between(intact, intact.log_f, error.partner)
             error = self.taught(family, intact.noisier(scatter))
         odd = contradiction(intact.plain, responses.tests)
         yields = len(family.factors) > len(self.plain.factors)
         return error, intact, drift, scatter, odd, family.structure, yields
 
-    def likeliest(self, error: ModelError) -> tuple[ModelError, _Family]:
+    def likeliest(self, error: ModelError, intact: Values) -> tuple[ModelError, _Family]:
         """The model under which the intact values are most probable; ``error`` is of the plain one."""
         family, structures = self.plain, [self.plain.structure]
-        finer = structure_of(self.question.model, float(np.exp(self.intact.plain.log_f.max())))
+        finer = structure_of(self.question.model, float(np.exp(intact.plain.log_f.max())))
         structures = [finer, *structures] if finer.finer else structures
         for yields, clearly in ((False, 0.0), (True, _CLEARLY)):
             if yields and not (self.question.model_error is None and error.doubtful):
@@ -1066,7 +1074,7 @@ class _Families(NamedTuple):
             for structure in structures:
                 step("learning what its elements do between nodes, and what joints yield")
                 other = self.of(structure.hinged(self.left) if yields else structure, yields)
-                if other is not self.plain and (its := self.taught(other, self.intact)).log_evidence > least:
+                if other is not self.plain and (its := self.taught(other, intact)).log_evidence > least:
                     error, family, least = its, other, its.log_evidence
                 if yields and not error.doubtful:  # what resolves its waves needs no other
                     break

@@ -389,6 +389,7 @@ _PAIRED = 0.1
 _TIMES, _ODD, _DEVIATIONS = 3.0, 0.002, 5.0
 _CONTRADICTING = 0.01  # without a third test, or if no single one is odd, so much is more than tests scatter
 _UPPER = 75.0
+_WARMEST = 0.02  # what moves all values of a test by more is no temperature (ln f)
 
 
 def scatter_between(values: Values, place: FloatArray, root: NDArray[np.intp]) -> float:
@@ -470,18 +471,41 @@ def _worst(tests: list[int], known: dict[Response, tuple[float, float]]) -> Cont
 
 def _apart(values: Values, one: int, other: int) -> tuple[float, float] | None:
     """Difference of two tests, and its usual error; None with nothing in common."""
-    differences, errors = [np.empty(0)], [np.empty(0)]
-    for number in np.unique(values.response[values.test == one]):
-        a, b = (np.flatnonzero((values.test == test) & (values.response == number)) for test in (one, other))
-        if not b.size:
-            continue
-        change, error = _changes(values, a, values, b, _PAIRED)
-        differences += [np.abs(change), np.full(min(a.size, b.size) - change.size, _PAIRED)]
-        errors.append(error)
-    apart, std = np.concatenate(differences), np.concatenate(errors)
+    change, error, alone = _between(values, one, other)
+    apart = np.concatenate([np.abs(change), np.full(alone, _PAIRED)])
     if not apart.size:
         return None
-    return float(np.percentile(apart, _UPPER)), float(np.median(std)) if std.size else 0.0
+    return float(np.percentile(apart, _UPPER)), float(np.median(error)) if error.size else 0.0
+
+
+def moved_alike(values: Values, forces: Sequence[int]) -> FloatArray:
+    """How far all values of a test lie above those of the first with its force, for each value (ln f), less
+    the mean of these tests; 0 where they differ by no more than their errors, or far more."""
+    found = np.zeros(values.size)
+    for force in set(forces):
+        tests = [nth for nth, each in enumerate(forces) if each == force]
+        above = np.zeros(len(tests))
+        for at, test in enumerate(tests[1:], 1):
+            change, error, _ = _between(values, test, tests[0])
+            own = float(np.median(change)) if change.size >= _LEAST_REPEATS else 0.0
+            if own and _DEVIATIONS * np.median(error) < abs(own) < _WARMEST:
+                above[at] = own
+        for test, own in zip(tests, above - above.mean(), strict=True):
+            found[values.test == test] = own
+    return found
+
+
+def _between(values: Values, one: int, other: int) -> tuple[FloatArray, FloatArray, int]:
+    """How far the values of one test lie above those of another, errors of that, and how many have none."""
+    changes, errors, alone = [np.empty(0)], [np.empty(0)], 0
+    for number in np.unique(values.response[values.test == one]):
+        a, b = (np.flatnonzero((values.test == test) & (values.response == number)) for test in (one, other))
+        if b.size:
+            change, error = _changes(values, a, values, b, _PAIRED)
+            alone += min(a.size, b.size) - change.size
+            changes.append(change)
+            errors.append(error)
+    return np.concatenate(changes), np.concatenate(errors), alone
 
 
 def _changes(

@@ -69,7 +69,7 @@ class SearchOptions(Options):
         'What else may differ between the two tests, with standard deviations: "temperature" (modulus of '
         'all elements, not of springs, 2 %, and along the longer side 1 %), "supports" (all springs, 10 %), '
         '"mass" (all masses, 2 %).',
-        kind="texts",
+        kind="names",
         scope=TWO_STATES,
     )
     reduction: str | bool = option(

@@ -27,7 +27,7 @@ from .inference import (
 )
 from .likelihood import Likelihood, Prepared, Question
 from .measured_states import Responses, Values, roots_at
-from .shapes import Found, Shape, Shaped, joined, parameters_of
+from .shapes import Found, Shape, Shaped, Structure, joined, parameters_of
 
 #: Shares of the prior of what is in no element, by kind.
 _ELSEWHERE = {"mass": 0.4, "joint": 0.2, "support": 0.2}
@@ -103,10 +103,18 @@ def _search(search: Search, prepared: Prepared, question: Question, found: Found
     """Add to what is found."""
     frame = prepared.structure
     plain = prepared.likelihood.start
+    likeliest = max(search.fits.values(), key=lambda fit: fit.log_evidence)
     lost = plain.partner.size - plain.n_matched
     changed = too_much(plain) or lost > max(1, USUALLY_LOST * plain.partner.size)
     if changed:
         found.others += _sensors(prepared, question.model)
+    # What such a support carries loses as much by it: the values do not tell the two apart.
+    carried = frame.grounded if type(frame) is Structure and likeliest.elements else []
+    for e in carried:
+        if fit := search.fits.get((prepared.numbers.index(e),)):
+            place = f"support of {question.model.element_label(e)} yields"
+            prior = float(np.log(_ELSEWHERE["support"] / len(carried)))
+            found.others.append(Shaped("support", place, fit.log_evidence + prior, fit.view))
     factor = prepared.stiffness_factors
     shapes = frame.shapes(factor)
     if not shapes:
@@ -117,7 +125,6 @@ def _search(search: Search, prepared: Prepared, question: Question, found: Found
         return
     n, numbers = search.likelihood.n, prepared.numbers
     start = likelihood.start
-    likeliest = max(search.fits.values(), key=lambda fit: fit.log_evidence)
     if not (changed or likeliest.elements) and start.gains[n:].max(initial=0.0) < _GAIN:
         return
     singles = sorted((s for s in search.fits if len(s) == 1), key=lambda s: -search.fits[s].log_evidence)
@@ -343,12 +350,12 @@ def _beside(shape: Shape, fit: Fit, log_prior: float) -> Shaped:
     if shape.kind == "mass":
         kg = [shape.size * beta for beta in (float(fit.beta[0]), low, high)]
         place = f"{kg[0]:.3g} kg ({kg[1]:.3g} to {kg[2]:.3g}) added at {shape.name or f'node {shape.node}'}"
-    elif shape.name:
+    elif shape.name and shape.node < 0:
         lost = [f"{100 * beta:.1f}" for beta in (float(fit.beta[0]), low, high)]
         place = f"{shape.name} has lost {lost[0]} % ({lost[1]} to {lost[2]})"
     else:
         what = "support" if shape.kind == "support" else f"joint of element {shape.element}"
-        place = f"{what} at node {shape.node} turns"
+        place = f"{shape.name} yields" if shape.name else f"{what} at node {shape.node} turns"
     return Shaped(shape.kind, place, fit.log_evidence + log_prior, fit.view)
 
 

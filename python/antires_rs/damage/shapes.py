@@ -190,6 +190,7 @@ def structure_of(model: StructuralModel, highest_hz: float = 0.0) -> Structure:
 #: Dofs of a model of matrices up to which each may have another mass; terms up to which they are put in
 #: order, and by how much that must be the plainest order.
 _MOST_DOFS, _MOST_TERMS, _PLAINLY = 100, 300, 1.05
+_STRAINED = 1e-6  # share of a term's largest entry from which on a force of it on the ground counts
 
 
 class Structure:
@@ -215,6 +216,15 @@ class Structure:
         if sizes[1] < 1e-9 or sizes[2] < _PLAINLY * sizes[1]:
             return None
         return np.linspace(-1.0, 1.0, len(terms))[np.argsort(np.argsort(ways[:, 1], kind="stable"))]
+
+    @property
+    def grounded(self) -> list[int]:
+        """Elements that stand on the ground, where that is seen: a shift of all strains few of them."""
+        terms = self.model._core.stiffness_terms()
+        pull = [np.abs(np.bincount(rows, values)).max(initial=0.0) for rows, _, values in terms]
+        size = [np.abs(values).max(initial=0.0) for *_, values in terms]
+        held = np.flatnonzero(np.array(pull) > _STRAINED * np.array(size)).tolist()
+        return held if 2 * len(held) < len(terms) else []
 
     @property
     def springs(self) -> tuple[Parameter, ...]:
@@ -255,6 +265,7 @@ class Structure:
 
 
 _TILTS = (1, 2, 3)  # powers of the height with which a building tilts and bends as a whole
+_BASES = (30.0, 10.0, 4.0, 2.0)  # springs under a base, over that of the lowest storey
 
 
 class Chain(Structure):
@@ -272,17 +283,51 @@ class Chain(Structure):
         nodes, named = range(self.model.n_dof), self.model.mass_label
         return [Shape("mass", -1, 0.0, k, most, _masses(most, [k]), name=named(k)) for k in nodes]
 
+    @property
+    def _stands(self) -> tuple[int, int] | None:
+        """Its spring to the ground, where it has one, and the mass on that."""
+        last, recipe = self.model.n_dof - 1, self.model._recipe
+        first, second = recipe.ground_first_n_per_m != 0.0, recipe.ground_last_n_per_m != 0.0
+        return None if first == second else (last, 0) if first else (last + 1, last)
+
+    def hinged(self, left: Callable[[Structure], float]) -> Structure:
+        """With a base of its own, as heavy as the mass above it, on a spring with which least is left."""
+        if self._stands is None:
+            return self
+        core, n, (term, foot) = self.model._core, self.model.n_dof, self._stands
+        terms, masses = core.stiffness_terms(), core.mass_terms()
+        stiff, mass = float(np.sum(terms[term][2])), as_sparse(core.mass()).diagonal()[foot]
+        under = np.array([foot, n, n]), np.array([n, foot, n]), stiff * np.array([-1.0, -1.0, 1.0])
+        terms[term], base = _together([terms[term], under]), _masses(mass, [n])
+        found: list[tuple[float, Structure]] = [(left(self), self)]
+        for times in _BASES:
+            other, spring = copy(self), _masses(times * stiff, [n])
+            whole = _together([_entries(core.stiffness()), under, spring])
+            heavy = _together([_entries(core.mass()), base])
+            made = CoreModel.from_matrices(n + 1, whole, heavy, [*terms, spring], [*masses, base])
+            other.finer = Joined(n + 1, made)
+            found.append((left(other), other))
+        return min(found, key=lambda each: each[0])[1]
+
+    @property
+    def yielding(self) -> tuple[Parameter, ...]:
+        """The spring and the mass of the base."""
+        if self.finer is None:
+            return ()
+        core = self.model._core
+        stiffness = Parameter("stiffness_factor", (core.n_stiffness_terms,), (0.2, 5.0))
+        return stiffness, Parameter("mass_factor", (core.n_mass_terms,), (0.2, 5.0))
+
     def joints(self) -> list[Shape]:
         """What tilting and bending leave of the stiffness, by the formula of a hinge."""
-        recipe = self.model._recipe
-        ends = recipe.ground_first_n_per_m, recipe.ground_last_n_per_m
-        if (ends[0] == 0.0) == (ends[1] == 0.0):
+        if self._stands is None:
             return []
-        n, stiffness = self.model.n_dof, np.asarray(self.model.stiffness())
-        height = np.arange(1.0, n + 1.0) / n
+        n, (_, foot) = self.model.n_dof, self._stands
+        stiffness = as_sparse((self.finer or self.model)._core.stiffness()).toarray()
+        height = np.arange(1.0, n + 1.0)[:: -1 if foot else 1] / n
         found = []
         for power in _TILTS:
-            way = (height if ends[0] else height[::-1]) ** power
+            way = np.pad(height**power, (0, len(stiffness) - n))
             force = stiffness @ way
             found.append(Shape("joint", -1, 0.0, -1, 1.0, _product(force / np.sqrt(way @ force))))
         return found
@@ -346,9 +391,10 @@ class Frame(Structure):
                 self.turning[node] = "joint"
         self.inner: dict[int, Inner] = {}
         self.masses = [_of_core(term, self.n) for term in whole.mass_terms()[: len(self.ends)]]
-        #: Dofs of an element's hinges, and how they turn the dofs of its ends, (m, k); nodes that have any.
+        #: Dofs of an element's hinges, and how they turn the dofs of its ends, (m, k); nodes that have
+        #: any, and in which direction they move.
         self.hinges: dict[int, tuple[list[int], FloatArray]] = {}
-        self.hinge_nodes: list[int] = []
+        self.hinge_nodes: list[tuple[int, str]] = []
         if highest_hz:
             n = self.free.size
             for element in range(len(self.ends)):
@@ -410,11 +456,11 @@ class Frame(Structure):
                     more = _bordered(row[ends][free], dofs, side[free], block)
                     own_terms[element] = _together([own_terms[element], more])
                     whole.append(more)
-        for (node, _), several in springs.items():
+        for key, several in springs.items():
             at = np.array([dof for dof, _ in several])
             terms[0].append((at, at, np.array([stiffness for _, stiffness in several])))
             added[0].append(terms[0][-1])
-            self.hinge_nodes.append(node)
+            self.hinge_nodes.append(key)
         k_terms, m_terms = ([_together([each]) for each in own] for own in terms)
         stiffness_of_all, mass_of_all = map(_together, added)
         return Joined(n, CoreModel.from_matrices(n, stiffness_of_all, mass_of_all, k_terms, m_terms))
@@ -472,6 +518,7 @@ class Frame(Structure):
         for (k,) in (p.terms for p in self.springs):  # that lose stiffness
             label = self.model.element_label(k)
             found.append(Shape("support", -1, 0.0, -1, 1.0, Entries(*terms[k]), name=label))
+        found += self._pins(factor)
         one = np.zeros(self.n)
         one[[self.at[node, self.moves[0]] for node in range(len(self.nodes))]] = 1.0
         most = _MOST_MASS * float(one @ (self.mass @ one))
@@ -517,6 +564,26 @@ class Frame(Structure):
         terms = [self.model._core.stiffness_terms()[k] for k in range(first, last)]
         held = [first + k for k, term in enumerate(terms) if np.any(term[2])]
         return tuple(Parameter("stiffness_factor", (k,), (0.2, 5.0)) for k in held)
+
+    def _pins(self, factor: Mapping[int, float]) -> list[Shape]:
+        """Pins and rollers that yield; a clamp turns first."""
+        first, found = self.model._core.n_stiffness_terms, []
+        for node, name in self.model._recipe.fixed:
+            if self.turning.get(node) == "support" or name not in self.moves:
+                continue
+            at, force = self.at[node, name], np.zeros(self.n)
+            for element, _ in self.meeting.get(node, ()):
+                force += factor.get(element, 1.0) * self.stiffness[element][:, [at]].toarray()[:, 0]
+            if not force[self.free].any():
+                continue
+            term = _product(force[self.free] / np.sqrt(force[at]))
+            if self.finer is not None and (node, name) in self.hinge_nodes:  # it was learned
+                k = first + self.hinge_nodes.index((node, name))
+                rows, columns, values = self.finer._core.stiffness_terms()[k]
+                term = Entries(rows, columns, factor.get(k, 1.0) * values)
+            named = f"support at node {node} ({name})"
+            found.append(Shape("support", -1, 0.0, node, 1.0, term, name=named))
+        return found
 
     def cracks(self, element: int, shares: Sequence[float], factor: Mapping[int, float]) -> list[Shape]:
         """Of one element, at some places."""
