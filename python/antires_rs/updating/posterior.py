@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from copy import copy
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, Literal
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..support.checks import BoolArray, FloatArray, IntArray
 from ..support.progress import step
 from ..support.values import FrozenDict, Value
 from ..views import Viewed
+from .discrepancy import likely_errors
 from .problem import UpdatingProblem
 from .targets import MODEL_ERROR
 
@@ -50,6 +52,10 @@ class BoxResiduals:
         #: Standard deviations that the measurement states, and relative size of the error that it does not.
         self.stated = np.where(known, std, np.median(std[known])) if stated else None
         self.size = np.ones(std.size) if stated else 1.0 / weights
+        #: The same of the combinations, by the share of what the model lacks, (shares, m).
+        self.sizes = np.broadcast_to(self.size, (1, std.size))
+        self.turned: FloatArray | None = None
+        self.back = np.eye(std.size)
         assumed = {
             f"{alone} measured {noun} without a partner in the model are left out.": alone,
             f"No errors of the measured {noun} are stated: the residuals tell them.": not stated,
@@ -72,10 +78,26 @@ class BoxResiduals:
         found = np.where(self.log, log / np.where(self.log, self.tilt, 1.0), (held - low) / (high - low))
         return np.asarray(np.clip(found, 0.0, 1.0))
 
-    def at(self, u: FloatArray) -> FloatArray:
-        """Residuals at one point, (m,)."""
+    def raw(self, u: FloatArray) -> FloatArray:
+        """Residuals of the values at one point, (m,)."""
         problem = self.problem
         return np.asarray(problem._targets.errors(problem._core, self.vector(u))[self.kept])
+
+    def at(self, u: FloatArray) -> FloatArray:
+        """Combinations of them whose errors are independent, (m,)."""
+        return self.raw(u) if self.turned is None else np.asarray(self.turned @ self.raw(u))
+
+    def turn(self, alike: FloatArray) -> BoxResiduals:
+        """The same in combinations, by the correlation (m, m) of errors that the model would make."""
+        one = copy(self)
+        unit = self.size * np.ones(len(alike)) if self.stated is None else np.maximum(self.stated, FLOOR)
+        size, ways = np.linalg.eigh(alike / np.outer(unit, unit))
+        white = np.sum((ways / unit[:, None]) ** 2, axis=0)
+        one.turned, one.back = (ways / unit[:, None]).T, ways * unit[:, None]
+        shares = np.array(SHARES)[:, None]
+        one.sizes = np.sqrt((1.0 - shares) * white + shares * np.maximum(size, 0.0))
+        one.stated = None if self.stated is None else np.ones(unit.size)
+        return one
 
     def many(self, u: FloatArray, workers: int) -> FloatArray:
         """Residuals at every row, (k, m): the same bits for any number of workers."""
@@ -107,11 +129,14 @@ def decided(problem: UpdatingProblem, x: FloatArray) -> BoolArray:
 # size of the term. Where errors are stated, tau is 0 with a prior probability of one half, else
 # log-uniform; where none are, tau stands for both.
 
+SHARES = (0.0, 0.9, 0.99, 0.999)  # of what the model lacks in its errors; the rest is each value's own
+UNTOLD = 0.01  # error of a model of which no value to spare tells
 FLOOR = 1e-5  # no test and no model agrees better than this in omega squared: no interval has the width 0
 _MOST_ERROR, _STEP_ERROR_MODEL = (
     0.3,
     0.05,
 )  # largest error of the model, in omega squared, and the step of ln(tau)
+_COARSE = 0.7  # the step where kinds of errors are compared
 _LEAST = 0.2  # errors of the model below this share of the stated ones make no difference
 #: Factor below the estimate at which the grid begins, and above it at which the grid ends: with few values to
 #: spare the tail falls as ``tau**-spare``, and one percent of it is left out.
@@ -128,22 +153,35 @@ class ErrorModel:
     learned: bool  # whether the residuals tell tau
 
     @classmethod
-    def around(cls, stated: FloatArray | None, size: FloatArray, guess: float, spare: int) -> ErrorModel:
+    def around(
+        cls,
+        stated: FloatArray | None,
+        sizes: FloatArray,
+        guess: float,
+        spare: int,
+        step: float = _STEP_ERROR_MODEL,
+    ) -> ErrorModel:
         """Grid around the error that the residuals suggest; the parameters leave ``spare`` of them over."""
-        s = np.zeros(size.size) if stated is None else np.maximum(stated, FLOOR)
+        s = np.zeros(sizes.shape[1]) if stated is None else np.maximum(stated, FLOOR)
         if spare <= 0:  # as many parameters as values: nothing is left to learn from
-            tau = np.array([0.0 if stated is not None else MODEL_ERROR])
-            return cls(tau, np.zeros(1), s**2 + (tau[:, None] * size) ** 2, False)
-        usual = FLOOR if stated is None else float(np.median(s))
+            tau = np.array([UNTOLD if len(sizes) > 1 else 0.0 if stated is not None else MODEL_ERROR])
+            return cls(tau, np.zeros(1), s**2 + (tau[:, None] * sizes[len(sizes) // 2]) ** 2, False)
+        usual = FLOOR if stated is None else float(np.median(s / sizes[0]))
         low = min(max(FLOOR, _LEAST * usual), 0.1 * _MOST_ERROR)
         first = min(max(low, guess / _BELOW), 0.5 * _MOST_ERROR)
-        last = min(_MOST_ERROR, max(guess, usual, 2.0 * first) * _ABOVE * _TAIL ** (1.0 / spare))
-        tau = np.exp(np.arange(np.log(first), np.log(last), _STEP_ERROR_MODEL))
-        log_prior = np.full(tau.size, np.log(_STEP_ERROR_MODEL / np.log(_MOST_ERROR / low)))
+        last = (
+            _MOST_ERROR
+            if len(sizes) > 1
+            else min(_MOST_ERROR, max(guess, usual, 2.0 * first) * _ABOVE * _TAIL ** (1.0 / spare))
+        )
+        tau = np.exp(np.arange(np.log(first), np.log(last), step))
+        log_prior = np.full(tau.size, np.log(step / np.log(_MOST_ERROR / low)))
+        every, prior = np.tile(tau, len(sizes)), np.tile(log_prior - np.log(len(sizes)), len(sizes))
+        variance = s**2 + (tau[:, None] * sizes[:, None]).reshape(-1, s.size) ** 2
         if stated is not None:
-            tau = np.append(0.0, tau)
-            log_prior = np.append(0.0, log_prior)  # half and half: the factor cancels
-        return cls(tau, log_prior, s**2 + (tau[:, None] * size) ** 2, True)
+            every, prior = np.append(0.0, every), np.append(0.0, prior)  # half and half: the factor cancels
+            variance = np.vstack([s**2, variance])
+        return cls(every, prior, variance, True)
 
     def log_density(self, squares: FloatArray) -> FloatArray:
         """Logarithm of likelihood times prior, (k, G), of residuals whose squares (k, m) are given."""
@@ -151,7 +189,8 @@ class ErrorModel:
         return np.asarray(constant - 0.5 * squares @ (1.0 / self.variance).T)
 
     def marginal(self, residuals: FloatArray, jacobian: FloatArray) -> FloatArray:
-        """Probability of each tau, (G,), with the parameters integrated out as if nothing bounded them."""
+        """ln of the probability of each tau, (G,), less a constant, parameters integrated out as if nothing
+        bounded them."""
         found = np.empty(self.tau.size)
         for nth, variance in enumerate(self.variance):
             root = np.sqrt(variance)
@@ -160,7 +199,7 @@ class ErrorModel:
             z = residuals / root
             left = z @ z - np.sum((rows[:, seen].T @ z) ** 2)
             found[nth] = -np.log(root).sum() - np.log(singular[seen]).sum() - 0.5 * left
-        return normalized(found + self.log_prior)
+        return found + self.log_prior
 
 
 def normalized(log_weights: FloatArray) -> FloatArray:
@@ -195,15 +234,23 @@ class Fit:
     errors: ErrorModel
     chances: FloatArray  # probabilities of the errors of the model on the grid, (G,)
 
-    @property
+    @cached_property
     def middle(self) -> int:
-        """Number of the median error of the model."""
-        return int(np.clip(np.searchsorted(np.cumsum(self.chances), 0.5), 0, self.chances.size - 1))
+        """Number of the median error of the model, of the likeliest kind."""
+        order = np.argsort(self.errors.tau, kind="stable")
+        at = np.clip(np.searchsorted(np.cumsum(self.chances[order]), 0.5), 0, order.size - 1)
+        same = np.flatnonzero(self.errors.tau == self.errors.tau[order[at]])
+        return int(same[np.argmax(self.chances[same])])
 
     @property
     def sigma(self) -> FloatArray:
         """Standard deviations of the residuals at the median error of the model, (m,)."""
         return np.asarray(np.sqrt(self.errors.variance[self.middle]))
+
+    @property
+    def spread(self) -> FloatArray:
+        """The same of the values' residuals, (m,)."""
+        return np.asarray(np.sqrt((self.residuals.back**2) @ self.sigma**2))
 
     @property
     def weighted(self) -> FloatArray:
@@ -232,30 +279,51 @@ def fitted(problem: UpdatingProblem, x: FloatArray) -> Fit:
     """Least squares within the bounds from ``x``, with the errors that its residuals suggest."""
     residuals = BoxResiduals(problem, x)
     u = residuals.place(x)
-    stated, size = residuals.stated, residuals.size
+    residuals = _likeliest(
+        residuals, u, [residuals.turn(one) for one in likely_errors(problem, x, residuals.kept)]
+    )
+    stated, size = residuals.stated, residuals.sizes[0]
     sigma = size * max(_rms(residuals.at(u) / size), FLOOR) if stated is None else np.maximum(stated, FLOOR)
     for _ in range(_ROUNDS):
         step("least squares")
         before, u = residuals.at(u), least_squares(residuals, u, sigma)
-        if np.any(np.abs(residuals.at(u) - before) > np.maximum(FAR * sigma, SAME)):  # it has led far
+        moved = np.abs(residuals.back @ (residuals.at(u) - before))
+        if np.any(moved > np.maximum(FAR * np.sqrt(residuals.back**2 @ sigma**2), SAME)):  # it has led far
             starts = (residuals.place(problem.nominal), np.full(u.size, 0.5))
             found = [u, *(least_squares(residuals, start, sigma) for start in starts)]
             u = min(found, key=lambda u: float(np.sum((residuals.at(u) / sigma) ** 2)))
         e, jacobian = residuals.at(u), residuals.jacobian(u)
-        rank = int(np.count_nonzero(np.linalg.svd(jacobian, compute_uv=False) > UNSEEN)) if u.size else 0
-        size = residuals.size
+        rank = _rank(residuals.back @ jacobian)
+        sizes = residuals.sizes
         shape = residuals.kind == 1
         if stated is None and shape.any():  # errors of shapes have a unit of their own
             ratio = max(_rms((e / size)[shape]), FLOOR) / max(_rms((e / size)[~shape]), FLOOR)
-            size = size * np.where(shape, ratio, 1.0)
-        guess = _rms(e / size) * np.sqrt(e.size / max(e.size - rank, 1))
-        errors = ErrorModel.around(stated, size, float(guess), e.size - rank)
-        fit = Fit(residuals, u, e, jacobian, rank, errors, errors.marginal(e, jacobian))
+            sizes = sizes * np.where(shape, ratio, 1.0)
+        guess = _rms(e / sizes[0]) * np.sqrt(e.size / max(e.size - rank, 1))
+        errors = ErrorModel.around(stated, sizes, float(guess), e.size - rank)
+        fit = Fit(residuals, u, e, jacobian, rank, errors, normalized(errors.marginal(e, jacobian)))
         change = fit.sigma / sigma
         if change.max() < 1.05 * change.min():
             break  # a common factor moves no minimum
         sigma = fit.sigma
     return fit
+
+
+def _likeliest(residuals: BoxResiduals, u: FloatArray, turned: list[BoxResiduals]) -> BoxResiduals:
+    """Those whose errors make the residuals at ``u`` most probable, whatever the parameters and the sizes."""
+    e, jacobian = residuals.at(u), residuals.jacobian(u)
+    spare, found = e.size - _rank(jacobian), []
+    for one in turned:
+        own = e if one.turned is None else one.turned @ e
+        errors = ErrorModel.around(one.stated, one.sizes, 0.0, spare, step=_COARSE)
+        slopes = jacobian if one.turned is None else one.turned @ jacobian
+        found.append(np.logaddexp.reduce(errors.marginal(own, slopes)))
+    return turned[int(np.argmax(found))] if turned else residuals
+
+
+def _rank(jacobian: FloatArray) -> int:
+    """Combinations of parameters that the residuals see."""
+    return int(np.count_nonzero(np.linalg.svd(jacobian, compute_uv=False) > UNSEEN)) if jacobian.size else 0
 
 
 def least_squares(
@@ -807,7 +875,9 @@ def profile(
     if where.size == 0:
         reject("name", repr(name), "a parameter that may move", "Its bounds are equal, or it is exactly 0.")
     j, free = int(where[0]), fit.residuals.free
-    seen = np.linalg.norm(fit.jacobian, axis=0) > UNSEEN  # where an unseen parameter rests means nothing
+    seen = (
+        np.linalg.norm(fit.residuals.back @ fit.jacobian, axis=0) > UNSEEN
+    )  # where an unseen parameter rests means nothing
 
     def value(place: float) -> float:
         return float(fit.residuals.vector(np.where(np.arange(fit.u.size) == j, place, fit.u))[free[j]])
@@ -860,13 +930,14 @@ def intervals(
 
 
 def _doubts(fit: Fit, x: FloatArray) -> list[str]:
-    apart = np.abs(fit.jacobian @ (fit.residuals.place(x) - fit.u))
-    odd = fit.residuals.hz[np.abs(fit.e) > _ODD * fit.sigma]
+    back, spread = fit.residuals.back, fit.spread
+    apart = np.abs(back @ fit.jacobian @ (fit.residuals.place(x) - fit.u))
+    odd = fit.residuals.hz[np.abs(back @ fit.e) > _ODD * spread]
     named = ", ".join(f"{hz:.4g} Hz" for hz in odd[:4])
     notes = {
         "As many parameters as values: nothing is left to tell the model's error by.": not fit.errors.learned,
         "Least squares lead far from the solution of the search: some values contradict the others.": (
-            np.any(apart > np.maximum(FAR * fit.sigma, SAME))
+            np.any(apart > np.maximum(FAR * spread, SAME))
         ),
         f"Far from the model even so: {named}. Leave them out if they are wrong.": odd.size,
     }
