@@ -24,14 +24,14 @@ _MOST_DOFS = 600  # the modes of larger models take too long
 _NONE = 1e-9  # a share of the largest below which there is nothing
 
 
-def likely_errors(problem: UpdatingProblem, x: FloatArray, kept: BoolArray) -> list[FloatArray]:
-    """Correlations (m, m) that errors of omega squared of the ``kept`` values may have, of what the model
-    lacks: of masses, springs, elements' shapes, of all together; their diagonals have the mean 1. None of
-    modes, and of large models."""
+def likely_errors(problem: UpdatingProblem, x: FloatArray, kept: BoolArray) -> FloatArray | None:
+    """Correlation (m, m) that errors of omega squared of the ``kept`` values have from what a model lacks:
+    masses, springs, shapes of its elements, a factor on all; its diagonal has the mean 1. None of modes, and
+    of large models."""
     if problem.measured_dofs is None or problem.measured_excitations is None:
-        return []
+        return None
     if problem.model.n_dof > _MOST_DOFS:
-        return []
+        return None
     from scipy.linalg import eigh
 
     model = problem.model_at(x)
@@ -46,12 +46,12 @@ def likely_errors(problem: UpdatingProblem, x: FloatArray, kept: BoolArray) -> l
     if inner := list(_shapes_of(problem)):
         ways = np.array(inner).T
         families.append((both[0] @ ways) * (both[1] @ ways) / slope[:, None])
-    found = []
+    found = [np.ones((zero.size, zero.size))]
     for columns in families:
         size = np.sqrt(np.mean(columns**2, axis=0))
         unit = columns[:, size > _NONE * size.max()] / size[size > _NONE * size.max()]
         found.append(unit @ unit.T / unit.shape[1])
-    return [*found, np.mean(found, axis=0)]
+    return np.asarray(np.mean(found, axis=0))
 
 
 def _shapes_of(problem: UpdatingProblem) -> Iterator[FloatArray]:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from copy import copy
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, Literal
@@ -87,17 +86,15 @@ class BoxResiduals:
         """Combinations of them whose errors are independent, (m,)."""
         return self.raw(u) if self.turned is None else np.asarray(self.turned @ self.raw(u))
 
-    def turn(self, alike: FloatArray) -> BoxResiduals:
-        """The same in combinations, by the correlation (m, m) of errors that the model would make."""
-        one = copy(self)
+    def turn(self, alike: FloatArray) -> None:
+        """Take combinations, by the correlation (m, m) of the errors that a model makes."""
         unit = self.size * np.ones(len(alike)) if self.stated is None else np.maximum(self.stated, FLOOR)
         size, ways = np.linalg.eigh(alike / np.outer(unit, unit))
         white = np.sum((ways / unit[:, None]) ** 2, axis=0)
-        one.turned, one.back = (ways / unit[:, None]).T, ways * unit[:, None]
+        self.turned, self.back = (ways / unit[:, None]).T, ways * unit[:, None]
         shares = np.array(SHARES)[:, None]
-        one.sizes = np.sqrt((1.0 - shares) * white + shares * np.maximum(size, 0.0))
-        one.stated = None if self.stated is None else np.ones(unit.size)
-        return one
+        self.sizes = np.sqrt((1.0 - shares) * white + shares * np.maximum(size, 0.0))
+        self.stated = None if self.stated is None else np.ones(unit.size)
 
     def many(self, u: FloatArray, workers: int) -> FloatArray:
         """Residuals at every row, (k, m): the same bits for any number of workers."""
@@ -130,13 +127,12 @@ def decided(problem: UpdatingProblem, x: FloatArray) -> BoolArray:
 # log-uniform; where none are, tau stands for both.
 
 SHARES = (0.0, 0.9, 0.99, 0.999)  # of what the model lacks in its errors; the rest is each value's own
-UNTOLD = 0.01  # error of a model of which no value to spare tells
+UNTOLD = 0.02  # error of a model of which no value to spare tells
 FLOOR = 1e-5  # no test and no model agrees better than this in omega squared: no interval has the width 0
 _MOST_ERROR, _STEP_ERROR_MODEL = (
     0.3,
     0.05,
 )  # largest error of the model, in omega squared, and the step of ln(tau)
-_COARSE = 0.7  # the step where kinds of errors are compared
 _LEAST = 0.2  # errors of the model below this share of the stated ones make no difference
 #: Factor below the estimate at which the grid begins, and above it at which the grid ends: with few values to
 #: spare the tail falls as ``tau**-spare``, and one percent of it is left out.
@@ -153,14 +149,7 @@ class ErrorModel:
     learned: bool  # whether the residuals tell tau
 
     @classmethod
-    def around(
-        cls,
-        stated: FloatArray | None,
-        sizes: FloatArray,
-        guess: float,
-        spare: int,
-        step: float = _STEP_ERROR_MODEL,
-    ) -> ErrorModel:
+    def around(cls, stated: FloatArray | None, sizes: FloatArray, guess: float, spare: int) -> ErrorModel:
         """Grid around the error that the residuals suggest; the parameters leave ``spare`` of them over."""
         s = np.zeros(sizes.shape[1]) if stated is None else np.maximum(stated, FLOOR)
         if spare <= 0:  # as many parameters as values: nothing is left to learn from
@@ -174,8 +163,8 @@ class ErrorModel:
             if len(sizes) > 1
             else min(_MOST_ERROR, max(guess, usual, 2.0 * first) * _ABOVE * _TAIL ** (1.0 / spare))
         )
-        tau = np.exp(np.arange(np.log(first), np.log(last), step))
-        log_prior = np.full(tau.size, np.log(step / np.log(_MOST_ERROR / low)))
+        tau = np.exp(np.arange(np.log(first), np.log(last), _STEP_ERROR_MODEL))
+        log_prior = np.full(tau.size, np.log(_STEP_ERROR_MODEL / np.log(_MOST_ERROR / low)))
         every, prior = np.tile(tau, len(sizes)), np.tile(log_prior - np.log(len(sizes)), len(sizes))
         variance = s**2 + (tau[:, None] * sizes[:, None]).reshape(-1, s.size) ** 2
         if stated is not None:
@@ -189,8 +178,7 @@ class ErrorModel:
         return np.asarray(constant - 0.5 * squares @ (1.0 / self.variance).T)
 
     def marginal(self, residuals: FloatArray, jacobian: FloatArray) -> FloatArray:
-        """ln of the probability of each tau, (G,), less a constant, parameters integrated out as if nothing
-        bounded them."""
+        """Probability of each tau, (G,), with the parameters integrated out as if nothing bounded them."""
         found = np.empty(self.tau.size)
         for nth, variance in enumerate(self.variance):
             root = np.sqrt(variance)
@@ -199,7 +187,7 @@ class ErrorModel:
             z = residuals / root
             left = z @ z - np.sum((rows[:, seen].T @ z) ** 2)
             found[nth] = -np.log(root).sum() - np.log(singular[seen]).sum() - 0.5 * left
-        return found + self.log_prior
+        return normalized(found + self.log_prior)
 
 
 def normalized(log_weights: FloatArray) -> FloatArray:
@@ -279,9 +267,8 @@ def fitted(problem: UpdatingProblem, x: FloatArray) -> Fit:
     """Least squares within the bounds from ``x``, with the errors that its residuals suggest."""
     residuals = BoxResiduals(problem, x)
     u = residuals.place(x)
-    residuals = _likeliest(
-        residuals, u, [residuals.turn(one) for one in likely_errors(problem, x, residuals.kept)]
-    )
+    if residuals.stated is not None and (alike := likely_errors(problem, x, residuals.kept)) is not None:
+        residuals.turn(alike)
     stated, size = residuals.stated, residuals.sizes[0]
     sigma = size * max(_rms(residuals.at(u) / size), FLOOR) if stated is None else np.maximum(stated, FLOOR)
     for _ in range(_ROUNDS):
@@ -301,24 +288,12 @@ def fitted(problem: UpdatingProblem, x: FloatArray) -> Fit:
             sizes = sizes * np.where(shape, ratio, 1.0)
         guess = _rms(e / sizes[0]) * np.sqrt(e.size / max(e.size - rank, 1))
         errors = ErrorModel.around(stated, sizes, float(guess), e.size - rank)
-        fit = Fit(residuals, u, e, jacobian, rank, errors, normalized(errors.marginal(e, jacobian)))
+        fit = Fit(residuals, u, e, jacobian, rank, errors, errors.marginal(e, jacobian))
         change = fit.sigma / sigma
         if change.max() < 1.05 * change.min():
             break  # a common factor moves no minimum
         sigma = fit.sigma
     return fit
-
-
-def _likeliest(residuals: BoxResiduals, u: FloatArray, turned: list[BoxResiduals]) -> BoxResiduals:
-    """Those whose errors make the residuals at ``u`` most probable, whatever the parameters and the sizes."""
-    e, jacobian = residuals.at(u), residuals.jacobian(u)
-    spare, found = e.size - _rank(jacobian), []
-    for one in turned:
-        own = e if one.turned is None else one.turned @ e
-        errors = ErrorModel.around(one.stated, one.sizes, 0.0, spare, step=_COARSE)
-        slopes = jacobian if one.turned is None else one.turned @ jacobian
-        found.append(np.logaddexp.reduce(errors.marginal(own, slopes)))
-    return turned[int(np.argmax(found))] if turned else residuals
 
 
 def _rank(jacobian: FloatArray) -> int:
