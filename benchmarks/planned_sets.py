@@ -3,8 +3,8 @@
 Structures of reference/outside_structures.py, exact values with scatter that is stated rightly.
 
 1. ``plan_test`` with four sensors against twenty random sets of four, the force where it is: after a test of
-   the intact structure, the loss of every element that nine of ten tests would find (``detectable``). The loss
-   that matters is the median over all sets and elements; counted are the elements that are found there, and
+   the intact structure, the loss of every element that nine of ten tests would find (``detectable``). The
+   loss that matters is the median over all sets and elements; counted are the elements that are found there,
    the random sets that find fewer, and those that have a larger mean ln of these losses.
 2. With ``--found``, all sensors: damage of the loss that ``detectable`` says of two elements of each truth,
    and at 0.75 and 1.25 of it; whether ``assess_damage`` declares the element.
