@@ -210,6 +210,10 @@ class Information:
         """How many roots of a set of candidates all of these share."""
         return int(self._hidden(self._members(np.array([chosen], dtype=np.intp))).sum())
 
+    def worth(self, chosen: Sequence[int], criterion: str) -> float:
+        """Worth of a set of candidates; the larger the better."""
+        return float(self.worths(np.array([chosen], dtype=np.intp), criterion)[0])
+
     def worths(self, sets: IntArray, criterion: str, *, all_shown: bool = False) -> FloatArray:
         """Worth of each of several sets (sets, n) of candidates; ``all_shown``: no root is hidden."""
         size = self.own.shape[1]
@@ -233,31 +237,6 @@ class Information:
         diagonal[some] -= hidden[some] @ self.rows**2
         each = 0.5 * np.log1p(np.maximum(diagonal, 0.0))
         return np.asarray(each.min(axis=1) + _MEAN * each.mean(axis=1))
-
-
-@dataclass(frozen=True)
-class Expected:
-    """Mean worth over structures as the tested one may be, the model first: where this is symmetric, values
-    coincide and elements look alike that no real structure's do.
-
-    K. Chaloner and I. Verdinelli, Statistical Science 10 (1995) 273-304, section 4.
-    """
-
-    structures: tuple[Information, ...]
-
-    @property
-    def n_candidates(self) -> int:
-        """How many sensors there may be."""
-        return int(self.structures[0].own.shape[0])
-
-    def worth(self, chosen: Sequence[int], criterion: str) -> float:
-        """Worth of a set of candidates; the larger the better."""
-        return float(self.worths(np.array([chosen], dtype=np.intp), criterion)[0])
-
-    def worths(self, sets: IntArray, criterion: str, *, all_shown: bool = False) -> FloatArray:
-        """Worth of each of several sets (sets, n) of candidates; ``all_shown``: no root is hidden."""
-        each = [one.worths(sets, criterion, all_shown=all_shown) for one in self.structures]
-        return np.asarray(np.mean(each, axis=0))
 
 
 def information(roots: VirtualRoots, n_candidates: int, spread: FloatArray, tests: int) -> Information:
@@ -317,18 +296,18 @@ class Placed:
     rounds: tuple[Round, ...]
 
 
-def greedy(information: Expected, n: int, criterion: str) -> Placed:
+def greedy(information: Information, n: int, criterion: str) -> Placed:
     """Greedy with exchange."""
-    count = information.n_candidates
+    count = information.own.shape[0]
     directions = (False, True) if count <= _MOST_BACKWARDS else (False,)
     ends = [_one_by_one(information, n, criterion, backwards) for backwards in directions]
     placed = [_exchanged(information, criterion, end) for end in ends]
     return max(placed, key=lambda one: one.worth)
 
 
-def exhaustive(information: Expected, n: int, criterion: str) -> Placed:
+def exhaustive(information: Information, n: int, criterion: str) -> Placed:
     """Of all sets of n candidates the best."""
-    every = combinations(range(information.n_candidates), n)
+    every = combinations(range(information.own.shape[0]), n)
     best = -np.inf, tuple(range(n))
     while some := list(islice(every, _MOST_EXCHANGES)):
         worths = information.worths(np.array(some), criterion)
@@ -337,9 +316,9 @@ def exhaustive(information: Expected, n: int, criterion: str) -> Placed:
     return Placed(best[1], best[0], ())
 
 
-def _one_by_one(information: Expected, n: int, criterion: str, backwards: bool) -> Placed:
+def _one_by_one(information: Information, n: int, criterion: str, backwards: bool) -> Placed:
     """The sensor that adds most joins; or, backwards, from all candidates, the one missed least goes."""
-    every = list(range(information.n_candidates))
+    every = list(range(information.own.shape[0]))
     chosen = every if backwards else []
     worth = information.worth(chosen, criterion) if backwards else -np.inf
     rounds = []
@@ -354,7 +333,7 @@ def _one_by_one(information: Expected, n: int, criterion: str, backwards: bool) 
     return Placed(tuple(chosen), worth, tuple(rounds))
 
 
-def _exchanged(information: Expected, criterion: str, start: Placed) -> Placed:
+def _exchanged(information: Information, criterion: str, start: Placed) -> Placed:
     chosen, worth, rounds = list(start.chosen), start.worth, list(start.rounds)
     while better := _better(information, criterion, chosen, worth):
         worth, joins, goes = better
@@ -365,10 +344,10 @@ def _exchanged(information: Expected, criterion: str, start: Placed) -> Placed:
 
 
 def _better(
-    information: Expected, criterion: str, chosen: list[int], worth: float
+    information: Information, criterion: str, chosen: list[int], worth: float
 ) -> tuple[float, tuple[int, ...], tuple[int, ...]] | None:
     """The best exchange of one sensor or, if none helps and there are not too many, of two."""
-    outside = [c for c in range(information.n_candidates) if c not in chosen]
+    outside = [c for c in range(information.own.shape[0]) if c not in chosen]
     for size in (1, 2):
         if comb(len(chosen), size) * comb(len(outside), size) > _MOST_EXCHANGES:
             return None
@@ -390,7 +369,7 @@ def _better(
 
 
 def _promising(
-    information: Expected, criterion: str, kept: list[int], outside: list[int], size: int, least: float
+    information: Information, criterion: str, kept: list[int], outside: list[int], size: int, least: float
 ) -> list[tuple[int, ...]]:
     """What may join the kept ones and be worth more than ``least``: one or two, these by what each adds."""
     if size == 1 or criterion != "determinant" or not kept:

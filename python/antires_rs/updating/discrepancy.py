@@ -26,18 +26,20 @@ _NONE = 1e-9  # a share of the largest below which there is nothing
 
 def likely_errors(problem: UpdatingProblem, x: FloatArray, kept: BoolArray) -> FloatArray | None:
     """Correlation (m, m) that errors of omega squared of the ``kept`` values have from what a model lacks:
-    masses, springs, shapes of its elements, a factor on all; its diagonal has the mean 1. None of modes, and
-    of large models."""
-    if problem.measured_dofs is None or problem.measured_excitations is None:
-        return None
-    if problem.model.n_dof > _MOST_DOFS:
+    masses, springs, shapes of its elements, a factor on all; its diagonal has the mean 1. None of modes,
+    of large models, and where dofs have no mass."""
+    measured = problem.measured_dofs, problem.measured_excitations
+    if measured[0] is None or measured[1] is None or problem.model.n_dof > _MOST_DOFS:
         return None
     from scipy.linalg import eigh
 
     model = problem.model_at(x)
-    square, shapes = eigh(*map(_dense, (model.stiffness(), model.mass())))
+    try:
+        square, shapes = eigh(*map(_dense, (model.stiffness(), model.mass())))
+    except np.linalg.LinAlgError:  # dofs without mass
+        return None
     zero = (2.0 * np.pi * problem.paired_hz(x)[kept]) ** 2
-    read, drive = shapes[problem.measured_dofs[kept]], shapes[problem.measured_excitations[kept]]
+    read, drive = shapes[measured[0][kept]], shapes[measured[1][kept]]
     resonant = 1.0 / (square - zero[:, None])
     slope = zero * np.sum(read * drive * resonant**2, axis=1)
     both = (read * resonant) @ shapes.T, (drive * resonant) @ shapes.T

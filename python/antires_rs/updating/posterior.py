@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, Literal
 
@@ -77,24 +78,19 @@ class BoxResiduals:
         found = np.where(self.log, log / np.where(self.log, self.tilt, 1.0), (held - low) / (high - low))
         return np.asarray(np.clip(found, 0.0, 1.0))
 
-    def raw(self, u: FloatArray) -> FloatArray:
-        """Residuals of the values at one point, (m,)."""
-        problem = self.problem
-        return np.asarray(problem._targets.errors(problem._core, self.vector(u))[self.kept])
-
     def at(self, u: FloatArray) -> FloatArray:
-        """Combinations of them whose errors are independent, (m,)."""
-        return self.raw(u) if self.turned is None else np.asarray(self.turned @ self.raw(u))
+        """Residuals at one point, (m,), or combinations of them whose errors are independent."""
+        e = self.problem._targets.errors(self.problem._core, self.vector(u))[self.kept]
+        return np.asarray(e if self.turned is None else self.turned @ e)
 
-    def turn(self, alike: FloatArray) -> None:
+    def turn(self, stated: FloatArray, alike: FloatArray) -> None:
         """Take combinations, by the correlation (m, m) of the errors that a model makes."""
-        unit = self.size * np.ones(len(alike)) if self.stated is None else np.maximum(self.stated, FLOOR)
+        unit = np.maximum(stated, FLOOR)
         size, ways = np.linalg.eigh(alike / np.outer(unit, unit))
-        white = np.sum((ways / unit[:, None]) ** 2, axis=0)
+        white, shares = np.sum((ways / unit[:, None]) ** 2, axis=0), np.array(SHARES)[:, None]
         self.turned, self.back = (ways / unit[:, None]).T, ways * unit[:, None]
-        shares = np.array(SHARES)[:, None]
         self.sizes = np.sqrt((1.0 - shares) * white + shares * np.maximum(size, 0.0))
-        self.stated = None if self.stated is None else np.ones(unit.size)
+        self.stated = np.ones(unit.size)
 
     def many(self, u: FloatArray, workers: int) -> FloatArray:
         """Residuals at every row, (k, m): the same bits for any number of workers."""
@@ -124,15 +120,15 @@ def decided(problem: UpdatingProblem, x: FloatArray) -> BoolArray:
 # A residual e of omega squared has the variance ``s**2 + (tau g)**2``: s = 2 std_hz / freq_hz is what the
 # measurement states, tau what the model leaves unexplained, learned from the residuals, and g the relative
 # size of the term. Where errors are stated, tau is 0 with a prior probability of one half, else
-# log-uniform; where none are, tau stands for both.
+# log-uniform; where none are, tau stands for both. Of stated antiresonances a share of tau**2 has the
+# correlation of what a model lacks (:mod:`.discrepancy`); in the combinations that this and the stated
+# errors make independent, e.g. of equal ones its principal axes, all variances stay single ones.
 
 SHARES = (0.0, 0.9, 0.99, 0.999)  # of what the model lacks in its errors; the rest is each value's own
 UNTOLD = 0.02  # error of a model of which no value to spare tells
 FLOOR = 1e-5  # no test and no model agrees better than this in omega squared: no interval has the width 0
-_MOST_ERROR, _STEP_ERROR_MODEL = (
-    0.3,
-    0.05,
-)  # largest error of the model, in omega squared, and the step of ln(tau)
+#: Largest error of the model, in omega squared, and the step of ln(tau).
+_MOST_ERROR, _STEP_ERROR_MODEL = 0.3, 0.05
 _LEAST = 0.2  # errors of the model below this share of the stated ones make no difference
 #: Factor below the estimate at which the grid begins, and above it at which the grid ends: with few values to
 #: spare the tail falls as ``tau**-spare``, and one percent of it is left out.
@@ -158,11 +154,8 @@ class ErrorModel:
         usual = FLOOR if stated is None else float(np.median(s / sizes[0]))
         low = min(max(FLOOR, _LEAST * usual), 0.1 * _MOST_ERROR)
         first = min(max(low, guess / _BELOW), 0.5 * _MOST_ERROR)
-        last = (
-            _MOST_ERROR
-            if len(sizes) > 1
-            else min(_MOST_ERROR, max(guess, usual, 2.0 * first) * _ABOVE * _TAIL ** (1.0 / spare))
-        )
+        tail = _TAIL ** (1.0 / spare) if len(sizes) == 1 else np.inf  # what parameters take is not in guess
+        last = min(_MOST_ERROR, max(guess, usual, 2.0 * first) * _ABOVE * tail)
         tau = np.exp(np.arange(np.log(first), np.log(last), _STEP_ERROR_MODEL))
         log_prior = np.full(tau.size, np.log(_STEP_ERROR_MODEL / np.log(_MOST_ERROR / low)))
         every, prior = np.tile(tau, len(sizes)), np.tile(log_prior - np.log(len(sizes)), len(sizes))
@@ -218,7 +211,7 @@ class Fit:
     u: FloatArray
     e: FloatArray
     jacobian: FloatArray
-    rank: int
+    chi_square: float  # reduced, by the stated errors; NaN where none are or nothing is left over
     errors: ErrorModel
     chances: FloatArray  # probabilities of the errors of the model on the grid, (G,)
 
@@ -254,21 +247,24 @@ class Fit:
         u = least_squares(self.residuals, u, self.sigma, held=[j])
         return self.squares(u), u
 
-    @property
-    def chi_square(self) -> float:
-        """Reduced chi-square by the stated errors; NaN where none are stated or nothing is left over."""
-        stated, spare = self.residuals.stated, self.e.size - self.rank
-        if stated is None or spare <= 0:
-            return float("nan")
-        return float(np.sum((self.e / np.maximum(stated, FLOOR)) ** 2) / spare)
-
 
 def fitted(problem: UpdatingProblem, x: FloatArray) -> Fit:
     """Least squares within the bounds from ``x``, with the errors that its residuals suggest."""
     residuals = BoxResiduals(problem, x)
-    u = residuals.place(x)
-    if residuals.stated is not None and (alike := likely_errors(problem, x, residuals.kept)) is not None:
-        residuals.turn(alike)
+    fit = _fitted(problem, residuals, residuals.place(x))
+    right = fit.errors.learned and fit.errors.tau[fit.middle] == 0.0
+    if residuals.stated is None or right:
+        return fit
+    # The model is wrong: what it lacks pulls many values one way.
+    if (alike := likely_errors(problem, x, residuals.kept)) is None:
+        return fit
+    turned = copy(residuals)
+    turned.turn(residuals.stated, alike)
+    return replace(_fitted(problem, turned, fit.u), chi_square=fit.chi_square)
+
+
+def _fitted(problem: UpdatingProblem, residuals: BoxResiduals, u: FloatArray) -> Fit:
+    """The same of these residuals, from ``u``."""
     stated, size = residuals.stated, residuals.sizes[0]
     sigma = size * max(_rms(residuals.at(u) / size), FLOOR) if stated is None else np.maximum(stated, FLOOR)
     for _ in range(_ROUNDS):
@@ -280,7 +276,8 @@ def fitted(problem: UpdatingProblem, x: FloatArray) -> Fit:
             found = [u, *(least_squares(residuals, start, sigma) for start in starts)]
             u = min(found, key=lambda u: float(np.sum((residuals.at(u) / sigma) ** 2)))
         e, jacobian = residuals.at(u), residuals.jacobian(u)
-        rank = _rank(residuals.back @ jacobian)
+        slopes = residuals.back @ jacobian
+        rank = int(np.count_nonzero(np.linalg.svd(slopes, compute_uv=False) > UNSEEN)) if u.size else 0
         sizes = residuals.sizes
         shape = residuals.kind == 1
         if stated is None and shape.any():  # errors of shapes have a unit of their own
@@ -288,17 +285,15 @@ def fitted(problem: UpdatingProblem, x: FloatArray) -> Fit:
             sizes = sizes * np.where(shape, ratio, 1.0)
         guess = _rms(e / sizes[0]) * np.sqrt(e.size / max(e.size - rank, 1))
         errors = ErrorModel.around(stated, sizes, float(guess), e.size - rank)
-        fit = Fit(residuals, u, e, jacobian, rank, errors, errors.marginal(e, jacobian))
+        chances, spare = errors.marginal(e, jacobian), e.size - rank
+        squares = np.nan if stated is None else float(np.sum((e / np.maximum(stated, FLOOR)) ** 2))
+        chi_square = squares / spare if spare > 0 else np.nan
+        fit = Fit(residuals, u, e, jacobian, chi_square, errors, chances)
         change = fit.sigma / sigma
         if change.max() < 1.05 * change.min():
             break  # a common factor moves no minimum
         sigma = fit.sigma
     return fit
-
-
-def _rank(jacobian: FloatArray) -> int:
-    """Combinations of parameters that the residuals see."""
-    return int(np.count_nonzero(np.linalg.svd(jacobian, compute_uv=False) > UNSEEN)) if jacobian.size else 0
 
 
 def least_squares(
