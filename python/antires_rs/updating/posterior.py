@@ -211,6 +211,7 @@ class Fit:
     u: FloatArray
     e: FloatArray
     jacobian: FloatArray
+    spare: int  # values beyond the combinations of parameters that they tell
     chi_square: float  # reduced, by the stated errors; NaN where none are or nothing is left over
     errors: ErrorModel
     chances: FloatArray  # probabilities of the errors of the model on the grid, (G,)
@@ -252,10 +253,10 @@ def fitted(problem: UpdatingProblem, x: FloatArray) -> Fit:
     """Least squares within the bounds from ``x``, with the errors that its residuals suggest."""
     residuals = BoxResiduals(problem, x)
     fit = _fitted(problem, residuals, residuals.place(x))
-    right = fit.errors.learned and fit.errors.tau[fit.middle] == 0.0
+    # Fewer values to spare than combinations of parameters cannot vouch for a model.
+    right = 2 * fit.spare >= fit.e.size and fit.errors.tau[fit.middle] == 0.0
     if residuals.stated is None or right:
         return fit
-    # The model is wrong: what it lacks pulls many values one way.
     if (alike := likely_errors(problem, x, residuals.kept)) is None:
         return fit
     turned = copy(residuals)
@@ -288,7 +289,7 @@ def _fitted(problem: UpdatingProblem, residuals: BoxResiduals, u: FloatArray) ->
         chances, spare = errors.marginal(e, jacobian), e.size - rank
         squares = np.nan if stated is None else float(np.sum((e / np.maximum(stated, FLOOR)) ** 2))
         chi_square = squares / spare if spare > 0 else np.nan
-        fit = Fit(residuals, u, e, jacobian, chi_square, errors, chances)
+        fit = Fit(residuals, u, e, jacobian, spare, chi_square, errors, chances)
         change = fit.sigma / sigma
         if change.max() < 1.05 * change.min():
             break  # a common factor moves no minimum
