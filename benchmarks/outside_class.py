@@ -19,6 +19,7 @@ Then the probability of the best hypothesis against how often it is right, overa
     python -m benchmarks.outside_class                      # all, 25 intact, 25 single, 15 double, 10 others
     python -m benchmarks.outside_class --structures portal --kinds single joint --single 10 --others 10
     python -m benchmarks.outside_class --kinds temperature --environment temperature --others 20
+    python -m benchmarks.outside_class --records --structures portal --kinds intact single double
     python -m benchmarks.outside_class --out after.json --against before.json   # case by case
 """
 
@@ -64,8 +65,8 @@ CLASSES = {
 def one_case(task):
     """Truth and answer."""
     warnings.simplefilter("ignore", ar.exceptions.AntiresWarning)
-    name, kind, number, seed, environment = task
-    one = case(name, kind, number, seed)
+    name, kind, number, seed, environment, records = task
+    one = case(name, kind, number, seed, records=records)
     model, elements = one.structure.model, one.structure.elements
     row = {
         "structure": name,
@@ -303,6 +304,7 @@ def main():
     parser.add_argument("--double", type=int, default=15)
     parser.add_argument("--others", type=int, default=10, help="cases of each other kind")
     parser.add_argument("--environment", nargs="+", help="what is said to differ, as in assess_damage")
+    parser.add_argument("--records", action="store_true", help="values identified from records")
     parser.add_argument("--seed0", type=int, default=0)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, help="file for the rows, as JSON")
@@ -312,7 +314,7 @@ def main():
     counts = {"intact": given.intact, "single": given.single, "double": given.double}
     # By number, so that a part of a run holds some of everything.
     tasks = [
-        (name, kind, number, given.seed0, given.environment)
+        (name, kind, number, given.seed0, given.environment, given.records)
         for number in range(max(*counts.values(), given.others))
         for kind in given.kinds
         for name in given.structures

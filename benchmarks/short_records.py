@@ -13,6 +13,7 @@ record unfit, or nothing is probable enough.
 
     python -m benchmarks.short_records                                    # 20 truths each; an hour
     python -m benchmarks.short_records --truths 4 --structures portal
+    python -m benchmarks.short_records --errors                   # (value - zero) / stated error, by length
 """
 
 from __future__ import annotations
@@ -29,47 +30,35 @@ import warnings
 from pathlib import Path
 
 import numpy as np
-import scipy.linalg
 from scipy.fft import irfft, next_fast_len, rfftfreq
 
 import antires_rs as ar
 from benchmarks.study_tools import each, print_table
+from reference.outside_records import DAMPING, damping_drawn, modes_of
 from reference.outside_structures import STRUCTURES, State
 
 JUDGED = ("elastic_beam", "portal", "truss")
 LENGTHS_S, BASELINE_S = (5.0, 10.0, 20.0, 40.0), 120.0
-#: Samples a cycle at the upper end of the band; the force has power up to this multiple of it.
-RATE, FORCED = 4.0, 1.5
-DAMPING, NOISE = (0.005, 0.015), 0.02
+#: The force has power up to this multiple of the band's end.
+FORCED, NOISE = 1.5, 0.02
 LOSS = (0.10, 0.60)
 
 
-def recorded(structure, own, state, duration_s, damping, rng):
+def recorded(modes, dofs, duration_s, rng):
     """Accelerations of all sensors under white noise at the force."""
-    one, (low, high) = structure.assembled(own, state), structure.band_hz
-    square, shapes = scipy.linalg.eigh(one.stiffness, one.mass)
-    omega = np.sqrt(np.maximum(square, 0.0))
-    kept = omega < 2.0 * np.pi * RATE * high
-    omega, shapes = omega[kept], shapes[:, kept]
-    ratio = np.resize(damping, omega.size)
-    fs_hz = RATE * high
+    (low, high), fs_hz = modes.band_hz, modes.fs_hz
     n = round(duration_s * fs_hz)
     n_long = next_fast_len(2 * n + round(fs_hz / (DAMPING[0] * low)))  # rung in, and not periodic
     freq = rfftfreq(n_long, 1.0 / fs_hz)
     force = (rng.standard_normal(freq.size) + 1j * rng.standard_normal(freq.size)) * (freq < FORCED * high)
-    s = 2j * np.pi * freq
-    modal = s**2 / (omega[:, None] ** 2 + 2.0 * ratio[:, None] * omega[:, None] * s + s**2)
-    modal *= (shapes.T @ one.vector(structure.drive))[:, None] * force
-    sensors = [structure.sensor(at, at == state.moved) for at in range(len(structure.dofs))]
-    read = np.array([one.vector(weights) @ shapes for weights in sensors])
-    x = np.array([irfft(row @ modal, n_long)[-n:] for row in read])
+    x = np.array([irfft(row * force, n_long)[-n:] for row in modes.accelerance(freq)])
     x += NOISE * x.std(axis=1, keepdims=True) * rng.standard_normal(x.shape)
-    return ar.Recording(x, fs_hz, dofs=structure.dofs)
+    return ar.Recording(x, fs_hz, dofs=dofs)
 
 
-def identified(structure, *how):
+def identified(structure, own, state, duration_s, damping, rng):
     """Its antiresonances."""
-    record = recorded(structure, *how)
+    record = recorded(modes_of(structure, own, state, damping), structure.dofs, duration_s, rng)
     return ar.identify_antiresonances(record, excitation=structure.force, band_hz=structure.band_hz)
 
 
@@ -79,7 +68,7 @@ def answers(task):
     name, number, lengths, seed = task
     structure = STRUCTURES[name]
     rng = np.random.default_rng([seed, list(STRUCTURES).index(name), number])
-    own, damping = structure.drawn(rng), rng.uniform(*DAMPING, 200)
+    own, damping = structure.drawn(rng), damping_drawn(rng)
     element, loss = int(rng.integers(structure.n_elements)), float(np.exp(rng.uniform(*np.log(LOSS))))
     before = identified(structure, own, State(), BASELINE_S, damping, rng)
     rows = []
@@ -114,6 +103,54 @@ def answered(structure, before, now):
         "findings": [f"{one.severity} {one.name}" for one in now.data_check.findings],
         "headline": result.headline,
     }
+
+
+#: A value further from the nearest zero than so many of the distances of the zeros is a false one.
+_OTHER = 0.4
+
+
+def errors_of(task):
+    """Of each value: length, stated relative error, value less nearest zero over it, distance to the next."""
+    warnings.simplefilter("ignore", ar.exceptions.AntiresWarning)
+    name, number, lengths, seed = task
+    structure = STRUCTURES[name]
+    rng = np.random.default_rng([seed, list(STRUCTURES).index(name), number, 1])
+    own, damping = structure.drawn(rng), damping_drawn(rng)
+    modes = modes_of(structure, own, State(), damping)
+    rows = []
+    for length in lengths:
+        try:
+            found = identified(structure, own, State(), length, damping, rng)
+        except (ar.exceptions.UnsuitableDataError, ar.exceptions.InvalidInputError):
+            continue
+        for row, dof in enumerate(structure.dofs):
+            zeros = np.sort(modes.zeros(row)[0])
+            for value, std in zip(found.get(dof, []), found.std_hz.get(dof, []), strict=True):
+                if zeros.size:
+                    apart = np.sort(np.abs(zeros / value - 1.0))
+                    nearest = zeros[np.argmin(np.abs(zeros / value - 1.0))]
+                    gap = float(apart[1]) if zeros.size > 1 else 1.0
+                    rows.append([name, length, std / value, (value - nearest) / std, gap])
+    return rows
+
+
+def errors_told(found, names):
+    """Of values at a zero: standard deviation, robust and not, and how many are far out."""
+    lines = []
+    for name in [*names, "all"]:
+        for length in sorted({row[1] for row in found}):
+            own = np.array([row[2:] for row in found if row[1] == length and name in (row[0], "all")])
+            own = own.reshape(-1, 3)
+            z = own[np.abs(own[:, 1] * own[:, 0]) < _OTHER * own[:, 2], 1]
+            if z.size:
+                far = [f"{100.0 * np.mean(np.abs(z) > limit):.1f}" for limit in (1.645, 3.0, 5.0)]
+                median = f"{100.0 * np.median(own[:, 0]):.3f}"
+                width = f"{1.483 * np.median(np.abs(z)):.2f}"
+                lines.append(
+                    [f"{name}, {length:g} s", len(own), z.size, median, width, f"{z.std():.2f}", *far]
+                )
+    header = ["", "values", "at a zero", "stated %", "robust std of z", "std of z"]
+    print_table([*header, "beyond 1.645, %", "beyond 3", "beyond 5"], lines, False)
 
 
 def told(row):
@@ -164,12 +201,19 @@ def main():
     parser.add_argument("--structures", nargs="+", default=JUDGED, choices=list(STRUCTURES))
     parser.add_argument("--lengths", nargs="+", type=float, default=LENGTHS_S)
     parser.add_argument("--truths", type=int, default=20, help="of each structure")
+    parser.add_argument("--errors", action="store_true", help="errors of the values, stated and true")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, help="file for the rows, as JSON")
     parser.add_argument("--read", type=Path, nargs="+", help="tables of such files, and no new cases")
     given = parser.parse_args()
     tasks = [(s, n, given.lengths, given.seed) for n in range(given.truths) for s in given.structures]
+    if given.errors:
+        found = [row for part in each(errors_of, tasks, given.workers) for row in part]
+        if given.out:
+            given.out.write_text(json.dumps(found))
+        errors_told(found, given.structures)
+        return
     rows = [row for path in given.read or () for row in json.loads(path.read_text())]
     for part in each(answers, [] if given.read else tasks, given.workers):
         rows += part

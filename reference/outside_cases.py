@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import antires_rs as ar
+from reference.outside_records import damping_drawn, recorded
 from reference.outside_structures import STRUCTURES, Crack, State, Structure, measured
 
 #: Relative scatter of the values, stated as it is; one for each case, log-uniform between these.
@@ -126,14 +127,28 @@ def kinds_of(structure: Structure) -> list[str]:
     return [kind for kind in KINDS if structure.beams or kind != "crack"]
 
 
-def case(name: str, kind: str, number: int, seed: int = 0) -> Case:
-    """The same for the same arguments."""
+def case(name: str, kind: str, number: int, seed: int = 0, *, records: bool = False) -> Case:
+    """The same for the same arguments. Of ``records`` under the noise of a shaker, as somebody measures
+    them, the values are those identified."""
     structure = STRUCTURES[name]
     rng = np.random.default_rng([seed, list(STRUCTURES).index(name), list(KINDS).index(kind), number])
     own, std = structure.drawn(rng), _between(rng, STD)
     state = KINDS[kind](structure, rng, number)
     intact, present = structure.truth(own), structure.truth(own, state)
-    before, now = (measured(structure, exact, std, rng) for exact in (intact, present))
+    if records:
+        damping = damping_drawn(rng)
+        before, now = (
+            ar.identify_antiresonances(
+                recorded(structure, own, each, damping, rng),
+                excitation=structure.force,
+                band_hz=structure.band_hz,
+                progress=False,
+            )
+            for each in (State(), state)
+        )
+        std = float(np.median(np.concatenate([now.std_hz[dof] / now[dof] for dof in now])))
+    else:
+        before, now = (measured(structure, exact, std, rng) for exact in (intact, present))
     allowed, touching = _right(structure, state)
     return Case(
         structure, kind, number, state, allowed, touching, before, now, std, _changed(intact, present, std)

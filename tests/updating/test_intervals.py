@@ -8,8 +8,10 @@ from scipy.linalg import eigh
 from scipy.stats import kstest
 
 import antires_rs as ar
+from antires_rs.updating import posterior
+from antires_rs.updating.discrepancy import likely_errors
 from antires_rs.updating.identifiability import combination_in_words, sensitivities
-from reference.calibration import ranks
+from reference.calibration import QUICK, ranks
 from tests.support.campaign import some_of
 from tests.support.refusals import assert_refused
 
@@ -45,8 +47,9 @@ def free_chain():
 
 
 @pytest.mark.parametrize("method", ["laplace", "ensemble"])
-def test_two_springs_against_quadrature(method):
-    """The posterior on a grid, the errors of the model summed over, from the problem's own residuals."""
+def test_two_springs_against_quadrature(method, monkeypatch):
+    """The posterior on a grid, the errors of the model summed over, each value's own."""
+    monkeypatch.setattr(posterior, "likely_errors", lambda *given: None)
     result = springs(error=1e-2)
     found = result.intervals(method, draws=DRAWS)
     grid = np.linspace(0.8, 1.2, 121)
@@ -67,6 +70,49 @@ def test_two_springs_against_quadrature(method):
         # Quantiles of the draws have a scatter of 0.011 at most; the tangent differs more at errors of 1 %.
         within = 0.033 if method == "ensemble" else 0.05
         np.testing.assert_allclose(below, [0.05, 0.25, 0.5, 0.75, 0.95], atol=within)
+
+
+def test_what_a_model_lacks_moves_values_as_springs_and_masses_do():
+    """Against finite differences; the mean of both families and of a factor on all."""
+    problem = springs().problem
+    chain, step, families = problem.model_at(problem.nominal), 1e-6, []
+    k, m, zeros = chain.stiffness(), chain.mass(), problem.paired_hz(problem.nominal)
+
+    def moved(stiffness, mass):
+        other = ar.UpdatingProblem(ar.MatrixModel(stiffness, mass, stiffness_terms=[stiffness]),
+                                   ar.stiffness_factor(0, bounds=(0.9, 1.1)), problem.measured)  # fmt: skip
+        return (other.paired_hz([1.0]) / zeros) ** 2 - 1.0
+
+    for kind in (0, 1):
+        columns = []
+        for dof in np.eye(3):
+            more = step * [500.0, 1.0][kind] * np.outer(dof, dof)
+            columns.append(moved(k + more * (kind == 0), m + more * (kind == 1)))
+        columns = [own / np.sqrt(np.mean(own**2)) for own in columns if np.abs(own).max() > 1e-9]
+        families.append(np.mean([np.outer(own, own) for own in columns], axis=0))
+    wanted = np.mean([*families, np.ones((zeros.size, zeros.size))], axis=0)
+    found = likely_errors(problem, problem.nominal, np.ones(zeros.size, dtype=bool))
+    np.testing.assert_allclose(found, wanted, atol=1e-4)
+    assert np.trace(found) == pytest.approx(zeros.size)
+
+
+def test_intervals_hold_where_the_model_lacks_a_support():
+    """Springs of a chain whose third mass has a spring to ground; seeds that no limit was set on."""
+    inside = []
+    for seed in range(700, 706):
+        rng = np.random.default_rng(seed)
+        true = rng.uniform(0.95, 1.05, 5)
+        chain = ar.MassSpringChain([1.0, 1.5, 0.8, 1.2, 1.0, 0.9], [4e4, 3e4, 5e4, 4e4, 3e4])
+        parameters = ar.stiffness_factor(range(5), bounds=(0.8, 1.2))
+        tested = chain.with_parameters(parameters, true)
+        held = tested.stiffness() + 600.0 * np.outer(np.eye(6)[2], np.eye(6)[2])
+        zeros = ar.MatrixModel(held, tested.mass()).antiresonances(range(6), 0)
+        hz = {i: f * (1.0 + 3e-4 * rng.standard_normal(f.size)) for i, f in enumerate(zeros)}
+        measured = ar.AntiresonanceSet(0, hz, std_hz={i: 3e-4 * f for i, f in hz.items()})
+        problem = ar.UpdatingProblem(chain, parameters, measured)
+        told = ar.update(problem, optimizer=QUICK, rng=seed, workers=1).intervals()
+        inside += ((told.low <= true) & (true <= told.high)).tolist()
+    assert np.mean(inside) > 0.75
 
 
 @pytest.mark.parametrize(

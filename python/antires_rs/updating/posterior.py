@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from functools import partial
+from copy import copy
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import Any, Literal
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..support.checks import BoolArray, FloatArray, IntArray
 from ..support.progress import step
 from ..support.values import FrozenDict, Value
 from ..views import Viewed
+from .discrepancy import likely_errors
 from .problem import UpdatingProblem
 from .targets import MODEL_ERROR
 
@@ -50,6 +52,10 @@ class BoxResiduals:
         #: Standard deviations that the measurement states, and relative size of the error that it does not.
         self.stated = np.where(known, std, np.median(std[known])) if stated else None
         self.size = np.ones(std.size) if stated else 1.0 / weights
+        #: The same of the combinations, by the share of what the model lacks, (shares, m).
+        self.sizes = np.broadcast_to(self.size, (1, std.size))
+        self.turned: FloatArray | None = None
+        self.back = np.eye(std.size)
         assumed = {
             f"{alone} measured {noun} without a partner in the model are left out.": alone,
             f"No errors of the measured {noun} are stated: the residuals tell them.": not stated,
@@ -73,9 +79,18 @@ class BoxResiduals:
         return np.asarray(np.clip(found, 0.0, 1.0))
 
     def at(self, u: FloatArray) -> FloatArray:
-        """Residuals at one point, (m,)."""
-        problem = self.problem
-        return np.asarray(problem._targets.errors(problem._core, self.vector(u))[self.kept])
+        """Residuals at one point, (m,), or combinations of them whose errors are independent."""
+        e = self.problem._targets.errors(self.problem._core, self.vector(u))[self.kept]
+        return np.asarray(e if self.turned is None else self.turned @ e)
+
+    def turn(self, stated: FloatArray, alike: FloatArray) -> None:
+        """Take combinations, by the correlation (m, m) of the errors that a model makes."""
+        unit = np.maximum(stated, FLOOR)
+        size, ways = np.linalg.eigh(alike / np.outer(unit, unit))
+        white, shares = np.sum((ways / unit[:, None]) ** 2, axis=0), np.array(SHARES)[:, None]
+        self.turned, self.back = (ways / unit[:, None]).T, ways * unit[:, None]
+        self.sizes = np.sqrt((1.0 - shares) * white + shares * np.maximum(size, 0.0))
+        self.stated = np.ones(unit.size)
 
     def many(self, u: FloatArray, workers: int) -> FloatArray:
         """Residuals at every row, (k, m): the same bits for any number of workers."""
@@ -105,13 +120,15 @@ def decided(problem: UpdatingProblem, x: FloatArray) -> BoolArray:
 # A residual e of omega squared has the variance ``s**2 + (tau g)**2``: s = 2 std_hz / freq_hz is what the
 # measurement states, tau what the model leaves unexplained, learned from the residuals, and g the relative
 # size of the term. Where errors are stated, tau is 0 with a prior probability of one half, else
-# log-uniform; where none are, tau stands for both.
+# log-uniform; where none are, tau stands for both. Of stated antiresonances a share of tau**2 has the
+# correlation of what a model lacks (:mod:`.discrepancy`); in the combinations that this and the stated
+# errors make independent, e.g. of equal ones its principal axes, all variances stay single ones.
 
+SHARES = (0.0, 0.9, 0.99, 0.999)  # of what the model lacks in its errors; the rest is each value's own
+UNTOLD = 0.02  # error of a model of which no value to spare tells
 FLOOR = 1e-5  # no test and no model agrees better than this in omega squared: no interval has the width 0
-_MOST_ERROR, _STEP_ERROR_MODEL = (
-    0.3,
-    0.05,
-)  # largest error of the model, in omega squared, and the step of ln(tau)
+#: Largest error of the model, in omega squared, and the step of ln(tau).
+_MOST_ERROR, _STEP_ERROR_MODEL = 0.3, 0.05
 _LEAST = 0.2  # errors of the model below this share of the stated ones make no difference
 #: Factor below the estimate at which the grid begins, and above it at which the grid ends: with few values to
 #: spare the tail falls as ``tau**-spare``, and one percent of it is left out.
@@ -128,22 +145,25 @@ class ErrorModel:
     learned: bool  # whether the residuals tell tau
 
     @classmethod
-    def around(cls, stated: FloatArray | None, size: FloatArray, guess: float, spare: int) -> ErrorModel:
+    def around(cls, stated: FloatArray | None, sizes: FloatArray, guess: float, spare: int) -> ErrorModel:
         """Grid around the error that the residuals suggest; the parameters leave ``spare`` of them over."""
-        s = np.zeros(size.size) if stated is None else np.maximum(stated, FLOOR)
+        s = np.zeros(sizes.shape[1]) if stated is None else np.maximum(stated, FLOOR)
         if spare <= 0:  # as many parameters as values: nothing is left to learn from
-            tau = np.array([0.0 if stated is not None else MODEL_ERROR])
-            return cls(tau, np.zeros(1), s**2 + (tau[:, None] * size) ** 2, False)
-        usual = FLOOR if stated is None else float(np.median(s))
+            tau = np.array([UNTOLD if len(sizes) > 1 else 0.0 if stated is not None else MODEL_ERROR])
+            return cls(tau, np.zeros(1), s**2 + (tau[:, None] * sizes[len(sizes) // 2]) ** 2, False)
+        usual = FLOOR if stated is None else float(np.median(s / sizes[0]))
         low = min(max(FLOOR, _LEAST * usual), 0.1 * _MOST_ERROR)
         first = min(max(low, guess / _BELOW), 0.5 * _MOST_ERROR)
-        last = min(_MOST_ERROR, max(guess, usual, 2.0 * first) * _ABOVE * _TAIL ** (1.0 / spare))
+        tail = _TAIL ** (1.0 / spare) if len(sizes) == 1 else np.inf  # what parameters take is not in guess
+        last = min(_MOST_ERROR, max(guess, usual, 2.0 * first) * _ABOVE * tail)
         tau = np.exp(np.arange(np.log(first), np.log(last), _STEP_ERROR_MODEL))
         log_prior = np.full(tau.size, np.log(_STEP_ERROR_MODEL / np.log(_MOST_ERROR / low)))
+        every, prior = np.tile(tau, len(sizes)), np.tile(log_prior - np.log(len(sizes)), len(sizes))
+        variance = s**2 + (tau[:, None] * sizes[:, None]).reshape(-1, s.size) ** 2
         if stated is not None:
-            tau = np.append(0.0, tau)
-            log_prior = np.append(0.0, log_prior)  # half and half: the factor cancels
-        return cls(tau, log_prior, s**2 + (tau[:, None] * size) ** 2, True)
+            every, prior = np.append(0.0, every), np.append(0.0, prior)  # half and half: the factor cancels
+            variance = np.vstack([s**2, variance])
+        return cls(every, prior, variance, True)
 
     def log_density(self, squares: FloatArray) -> FloatArray:
         """Logarithm of likelihood times prior, (k, G), of residuals whose squares (k, m) are given."""
@@ -191,19 +211,28 @@ class Fit:
     u: FloatArray
     e: FloatArray
     jacobian: FloatArray
-    rank: int
+    spare: int  # values beyond the combinations of parameters that they tell
+    chi_square: float  # reduced, by the stated errors; NaN where none are or nothing is left over
     errors: ErrorModel
     chances: FloatArray  # probabilities of the errors of the model on the grid, (G,)
 
-    @property
+    @cached_property
     def middle(self) -> int:
-        """Number of the median error of the model."""
-        return int(np.clip(np.searchsorted(np.cumsum(self.chances), 0.5), 0, self.chances.size - 1))
+        """Number of the median error of the model, of the likeliest kind."""
+        order = np.argsort(self.errors.tau, kind="stable")
+        at = np.clip(np.searchsorted(np.cumsum(self.chances[order]), 0.5), 0, order.size - 1)
+        same = np.flatnonzero(self.errors.tau == self.errors.tau[order[at]])
+        return int(same[np.argmax(self.chances[same])])
 
     @property
     def sigma(self) -> FloatArray:
         """Standard deviations of the residuals at the median error of the model, (m,)."""
         return np.asarray(np.sqrt(self.errors.variance[self.middle]))
+
+    @property
+    def spread(self) -> FloatArray:
+        """The same of the values' residuals, (m,)."""
+        return np.asarray(np.sqrt((self.residuals.back**2) @ self.sigma**2))
 
     @property
     def weighted(self) -> FloatArray:
@@ -219,38 +248,48 @@ class Fit:
         u = least_squares(self.residuals, u, self.sigma, held=[j])
         return self.squares(u), u
 
-    @property
-    def chi_square(self) -> float:
-        """Reduced chi-square by the stated errors; NaN where none are stated or nothing is left over."""
-        stated, spare = self.residuals.stated, self.e.size - self.rank
-        if stated is None or spare <= 0:
-            return float("nan")
-        return float(np.sum((self.e / np.maximum(stated, FLOOR)) ** 2) / spare)
-
 
 def fitted(problem: UpdatingProblem, x: FloatArray) -> Fit:
     """Least squares within the bounds from ``x``, with the errors that its residuals suggest."""
     residuals = BoxResiduals(problem, x)
-    u = residuals.place(x)
-    stated, size = residuals.stated, residuals.size
+    fit = _fitted(problem, residuals, residuals.place(x))
+    # Fewer values to spare than combinations of parameters cannot vouch for a model.
+    right = 2 * fit.spare >= fit.e.size and fit.errors.tau[fit.middle] == 0.0
+    if residuals.stated is None or right:
+        return fit
+    if (alike := likely_errors(problem, x, residuals.kept)) is None:
+        return fit
+    turned = copy(residuals)
+    turned.turn(residuals.stated, alike)
+    return replace(_fitted(problem, turned, fit.u), chi_square=fit.chi_square)
+
+
+def _fitted(problem: UpdatingProblem, residuals: BoxResiduals, u: FloatArray) -> Fit:
+    """The same of these residuals, from ``u``."""
+    stated, size = residuals.stated, residuals.sizes[0]
     sigma = size * max(_rms(residuals.at(u) / size), FLOOR) if stated is None else np.maximum(stated, FLOOR)
     for _ in range(_ROUNDS):
         step("least squares")
         before, u = residuals.at(u), least_squares(residuals, u, sigma)
-        if np.any(np.abs(residuals.at(u) - before) > np.maximum(FAR * sigma, SAME)):  # it has led far
+        moved = np.abs(residuals.back @ (residuals.at(u) - before))
+        if np.any(moved > np.maximum(FAR * np.sqrt(residuals.back**2 @ sigma**2), SAME)):  # it has led far
             starts = (residuals.place(problem.nominal), np.full(u.size, 0.5))
             found = [u, *(least_squares(residuals, start, sigma) for start in starts)]
             u = min(found, key=lambda u: float(np.sum((residuals.at(u) / sigma) ** 2)))
         e, jacobian = residuals.at(u), residuals.jacobian(u)
-        rank = int(np.count_nonzero(np.linalg.svd(jacobian, compute_uv=False) > UNSEEN)) if u.size else 0
-        size = residuals.size
+        slopes = residuals.back @ jacobian
+        rank = int(np.count_nonzero(np.linalg.svd(slopes, compute_uv=False) > UNSEEN)) if u.size else 0
+        sizes = residuals.sizes
         shape = residuals.kind == 1
         if stated is None and shape.any():  # errors of shapes have a unit of their own
             ratio = max(_rms((e / size)[shape]), FLOOR) / max(_rms((e / size)[~shape]), FLOOR)
-            size = size * np.where(shape, ratio, 1.0)
-        guess = _rms(e / size) * np.sqrt(e.size / max(e.size - rank, 1))
-        errors = ErrorModel.around(stated, size, float(guess), e.size - rank)
-        fit = Fit(residuals, u, e, jacobian, rank, errors, errors.marginal(e, jacobian))
+            sizes = sizes * np.where(shape, ratio, 1.0)
+        guess = _rms(e / sizes[0]) * np.sqrt(e.size / max(e.size - rank, 1))
+        errors = ErrorModel.around(stated, sizes, float(guess), e.size - rank)
+        chances, spare = errors.marginal(e, jacobian), e.size - rank
+        squares = np.nan if stated is None else float(np.sum((e / np.maximum(stated, FLOOR)) ** 2))
+        chi_square = squares / spare if spare > 0 else np.nan
+        fit = Fit(residuals, u, e, jacobian, spare, chi_square, errors, chances)
         change = fit.sigma / sigma
         if change.max() < 1.05 * change.min():
             break  # a common factor moves no minimum
@@ -807,7 +846,9 @@ def profile(
     if where.size == 0:
         reject("name", repr(name), "a parameter that may move", "Its bounds are equal, or it is exactly 0.")
     j, free = int(where[0]), fit.residuals.free
-    seen = np.linalg.norm(fit.jacobian, axis=0) > UNSEEN  # where an unseen parameter rests means nothing
+    seen = (
+        np.linalg.norm(fit.residuals.back @ fit.jacobian, axis=0) > UNSEEN
+    )  # where an unseen parameter rests means nothing
 
     def value(place: float) -> float:
         return float(fit.residuals.vector(np.where(np.arange(fit.u.size) == j, place, fit.u))[free[j]])
@@ -860,13 +901,14 @@ def intervals(
 
 
 def _doubts(fit: Fit, x: FloatArray) -> list[str]:
-    apart = np.abs(fit.jacobian @ (fit.residuals.place(x) - fit.u))
-    odd = fit.residuals.hz[np.abs(fit.e) > _ODD * fit.sigma]
+    back, spread = fit.residuals.back, fit.spread
+    apart = np.abs(back @ fit.jacobian @ (fit.residuals.place(x) - fit.u))
+    odd = fit.residuals.hz[np.abs(back @ fit.e) > _ODD * spread]
     named = ", ".join(f"{hz:.4g} Hz" for hz in odd[:4])
     notes = {
         "As many parameters as values: nothing is left to tell the model's error by.": not fit.errors.learned,
         "Least squares lead far from the solution of the search: some values contradict the others.": (
-            np.any(apart > np.maximum(FAR * fit.sigma, SAME))
+            np.any(apart > np.maximum(FAR * spread, SAME))
         ),
         f"Far from the model even so: {named}. Leave them out if they are wrong.": odd.size,
     }
