@@ -632,8 +632,6 @@ _MOVED = 0.1  # standard deviation of ln f of such a root from its intact place
 def and_vanished(there: Foreseen, response: NDArray[np.intp], place: FloatArray) -> Foreseen:
     """The roots together with those that are gone, in ascending order within each response."""
     n, m = there.place.size, response.size
-    if not m:
-        return there
     both, places = np.concatenate([there.roots.response, response]), np.concatenate([there.place, place])
     order = np.lexsort((places, both))
     spread = np.zeros((n + m, n + m))
@@ -897,7 +895,8 @@ class Likelihood(ValueLikelihood):
         if not isinstance(roots, ModeRoots):  # modes do not vanish
             gone = np.setdiff1d(np.flatnonzero(error.seen), followed)
             places = error.intact.log_f[gone] + self._beside[gone]
-            foreseen = and_vanished(foreseen, error.intact.response[gone], places)
+            if gone.size:
+                foreseen = and_vanished(foreseen, error.intact.response[gone], places)
         # Warmth, its gradient and three losses together explain what a stiffened element does as well.
         many = np.count_nonzero(beta[: self.n_elements]) >= MANY
         usual = self._not_warm if many else self.errors

@@ -453,27 +453,27 @@ class Contradiction(NamedTuple):
 
 def contradiction(values: Values, forces: Sequence[int]) -> Contradiction:
     """The worst contradiction between tests with the same force; ``forces`` are those of the tests."""
-    found = []
+    found = [Contradiction()]
     for force in sorted(set(forces)):
         tests = [nth for nth, each in enumerate(forces) if each == force]
-        apart = {pair: _apart(values, *pair) for pair in combinations(tests, 2)}
-        found.append(_worst(tests, {pair: one for pair, one in apart.items() if one is not None}))
-    return max(found, key=lambda one: one.apart, default=Contradiction())
-
-
-def _worst(tests: list[int], known: dict[Response, tuple[float, float]]) -> Contradiction:
-    """The contradiction among tests whose differences and errors are known by pairs."""
-    for odd in tests:
-        own = [known[pair] for pair in known if odd in pair]
-        others = [known[pair][0] for pair in known if odd not in pair]
-        if not own or not others:
-            continue
-        least, usual = min(apart for apart, _ in own), max(others)
-        if least > max(_TIMES * usual, _ODD, _DEVIATIONS * max(std for _, std in own)):
-            return Contradiction((odd,), float(np.median([apart for apart, _ in own])), usual)
-    far = {pair: apart for pair, (apart, s) in known.items() if apart > max(_CONTRADICTING, _DEVIATIONS * s)}
-    every = {nth for pair in far for nth in pair}
-    return Contradiction(tuple(sorted(every)), max(far.values(), default=0.0))
+        pairs = combinations(tests, 2)
+        known = {pair: one for pair in pairs if (one := _apart(values, *pair)) is not None}
+        for odd in tests:
+            own = [known[pair] for pair in known if odd in pair]
+            others = [known[pair][0] for pair in known if odd not in pair]
+            if not own or not others:
+                continue
+            least, usual = min(apart for apart, _ in own), max(others)
+            if least > max(_TIMES * usual, _ODD, _DEVIATIONS * max(std for _, std in own)):
+                found.append(Contradiction((odd,), float(np.median([apart for apart, _ in own])), usual))
+                break
+        else:
+            far = {
+                p: apart for p, (apart, s) in known.items() if apart > max(_CONTRADICTING, _DEVIATIONS * s)
+            }
+            every = {nth for pair in far for nth in pair}
+            found.append(Contradiction(tuple(sorted(every)), max(far.values(), default=0.0)))
+    return max(found, key=lambda one: one.apart)
 
 
 def _apart(values: Values, one: int, other: int) -> tuple[float, float] | None:

@@ -323,7 +323,9 @@ class Chain(Structure):
         if self._stands is None:
             return []
         n, (_, foot) = self.model.n_dof, self._stands
-        stiffness = as_sparse((self.finer or self.model)._core.stiffness()).toarray()
+        stiffness: Any = self.model.stiffness()  # dense for a chain
+        if self.finer is not None:
+            stiffness = as_sparse(self.finer._core.stiffness()).toarray()
         height = np.arange(1.0, n + 1.0)[:: -1 if foot else 1] / n
         found = []
         for power in _TILTS:

@@ -11,7 +11,7 @@ import numpy as np
 from ..exceptions import UnsuitableDataError, reject
 from ..support.checks import ComplexArray
 from ..support.progress import patient
-from ..support.values import frozen_or_none
+from ..support.values import frozen
 from . import channel_checks as channels, one_force
 from .averaging import LEAST_SAMPLES, SEGMENTS, Averages, Averaging, average, holds_hits, longest_segments
 from .frequency_response import FrequencyResponse, band_of
@@ -447,10 +447,10 @@ def judged(
         seen.dofs,
         excitation,
         band,
-        frozen_or_none(seen.freq_hz),
-        frozen_or_none(seen.eigenvalues),
-        frozen_or_none(second),
-        frozen_or_none(seen.coherence),
+        frozen(seen.freq_hz),
+        frozen(seen.eigenvalues),
+        frozen(second),
+        frozen(seen.coherence),
         seen.n_averages if averaged else None,
         seen.nperseg if averaged else None,
     )

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 Core = TypeVar("Core")
 Key = TypeVar("Key")
 Held = TypeVar("Held")
+Array = TypeVar("Array", bound="NDArray[Any] | None")
 
 
 class ReadOnly:
@@ -80,15 +81,18 @@ def _freeze(value: Any) -> None:
             _freeze(item)
 
 
-def frozen(array: NDArray[Any], given: Any = None) -> NDArray[Any]:
-    """Read-only copy; what is read-only itself, or was made anew of what was ``given``, is not copied."""
+def frozen(array: Array, given: Any = None) -> Array:
+    """Read-only copy of an array, None of None; what is read-only itself, or was made anew of what was
+    ``given``, is not copied."""
+    if array is None:
+        return array
     if given is not None and not (isinstance(given, np.ndarray) and np.may_share_memory(array, given)):
         array.setflags(write=False)
     if array.base is None and array.flags.c_contiguous and not array.flags.writeable:
         return array
-    copy = np.array(array, order="C")
+    copy: Any = np.array(array, order="C")
     copy.setflags(write=False)
-    return copy
+    return copy  # type: ignore[no-any-return]
 
 
 class Value(ReadOnly):
@@ -101,11 +105,6 @@ class Value(ReadOnly):
         return type(other) is type(self) and _same(self.__dict__, other.__dict__)
 
     __hash__ = None  # type: ignore[assignment]
-
-
-def frozen_or_none(array: Any) -> Any:
-    """Read-only copy of an array, None where there is none."""
-    return None if array is None else frozen(array)
 
 
 def _kept(value: Any) -> Any:

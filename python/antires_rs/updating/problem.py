@@ -19,7 +19,7 @@ from ..models.structural_model import StructuralModel, checked_model
 from ..optimize.checkpoint import digest_of
 from ..optimize.island_ga import thread_count
 from ..support.checks import FloatArray, IntArray, choice, finite_scalar, integer, real_array, shape_of
-from ..support.values import AroundCore, ReadOnly, frozen, frozen_or_none
+from ..support.values import AroundCore, ReadOnly, frozen
 from .targets import AntiresonanceTargets, FrequencyTable, ModalTable, ModalTargets, Targets, targets_of
 
 Misfit = Literal["absolute", "squared", "largest"]
@@ -219,8 +219,8 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         self._fill(model=model, parameters=chosen, misfit=misfit, bounds=frozen(bounds))
         self._fill(measured=targets.sets, noun=targets.noun, left_out=targets.left_out, _targets=targets)
         self._fill(measured_hz=frozen(targets.hz), _nominal=frozen(nominal), _names=names)
-        dofs, forces = (frozen_or_none(getattr(targets, name, None)) for name in ("dofs", "excitations"))
-        self._fill(measured_dofs=dofs, measured_excitations=forces, weights=frozen_or_none(factors))
+        dofs, forces = (frozen(getattr(targets, name, None)) for name in ("dofs", "excitations"))
+        self._fill(measured_dofs=dofs, measured_excitations=forces, weights=frozen(factors))
         self._fill(penalty=penalty_of(penalty, counted, misfit))
         self._fill(_core=self._made_core())
 
