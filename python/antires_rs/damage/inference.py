@@ -1,4 +1,4 @@
-"""From two measured states to an :class:`Assessment`: sets of damaged elements weighed and searched."""
+"""From two measured states to an assessment: sets of damaged elements weighed and searched."""
 
 from __future__ import annotations
 
