@@ -56,13 +56,6 @@ if TYPE_CHECKING:
 # -- The model, the elements and the sets that a question about damage names
 
 
-def checked_search(search: Any) -> SearchOptions:
-    """Options of a search."""
-    if search is not None and not isinstance(search, SearchOptions):
-        reject("search", search, "a SearchOptions", "As in search=SearchOptions(std_common=0.001).")
-    return search or SearchOptions()
-
-
 def elements_of(model: StructuralModel, elements: Any) -> list[int]:
     """Candidate elements by number: all springs between masses, all beams or all terms by default."""
     terms = model._core.n_stiffness_terms
@@ -497,7 +490,7 @@ def assess_damage(
     """
     checked_model(model)
     chosen = elements_of(model, elements)
-    options = gathered("assess_damage", "search", checked_search(search), older)
+    options = gathered("assess_damage", "search", SearchOptions, search, older)
     options = options.joined({"environment": environment})
     if baseline is None:
         _without({"prior": prior}, "together with a baseline")
@@ -706,7 +699,7 @@ class Assessor(ReadOnly, Viewed):
         checked_model(model)
         before = sets_of("baseline", baseline, modes=False)
         chosen = elements_of(model, elements)
-        options = gathered("Assessor", "search", checked_search(search), older).of(TWO_STATES)
+        options = gathered("Assessor", "search", SearchOptions, search, older).of(TWO_STATES)
         # In place of a test of now: the first set of each force.
         first = {each.excitation: each for each in reversed(before)}
         question = question_of(model, before, tuple(reversed(first.values())), chosen, prior, options)

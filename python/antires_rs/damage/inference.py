@@ -455,7 +455,7 @@ class Search:
         """Of each set of none to three candidates, of one element that is none, and of something else."""
         n, others = self.n_candidates, self.likelihood.n - self.n_candidates
         own = [self.prior.log_of(k, n) if k <= n else -np.inf for k in range(4)]
-        return *own, *self.prior.log_others(others)
+        return (*own, self.prior.log_elsewhere(others) if others else -np.inf, self.prior.log_unknown(others))
 
     def log_weights(self) -> dict[Elements, float]:
         """Log of prior times evidence by elements, and of what is in none of them, by -2 and down."""

@@ -184,12 +184,14 @@ class DamagePrior:
         share = (self.nothing, self.one, self.two, self.three)[n_damaged]
         return float(np.log(share) - np.log(comb(n_candidates, n_damaged))) if share else -np.inf
 
-    def log_others(self, n_others: int) -> tuple[float, float]:
-        """Log probabilities of each element that is no candidate, and of something else."""
-        known = bool(self.elsewhere and n_others)
-        elsewhere = float(np.log(self.elsewhere) - np.log(n_others)) if known else -np.inf
+    def log_elsewhere(self, n_others: int) -> float:
+        """Log probability of each element that is no candidate."""
+        return float(np.log(self.elsewhere) - np.log(n_others)) if self.elsewhere else -np.inf
+
+    def log_unknown(self, n_others: int) -> float:
+        """Log probability of something else."""
         share = self.unknown + (0.0 if n_others else self.elsewhere)
-        return elsewhere, float(np.log(share)) if share else -np.inf
+        return float(np.log(share)) if share else -np.inf
 
 
 def checked_prior(prior: Any, options: SearchOptions) -> DamagePrior:

@@ -337,7 +337,7 @@ def identify_antiresonances(
     >>> found[0].round(1).tolist(), found[1].tolist()
     ([15.2], [])
     """
-    fit = gathered("identify_antiresonances", "fit", fit or FitOptions(), older)
+    fit = gathered("identify_antiresonances", "fit", FitOptions, fit, older)
     call = CallOptions(
         preset=preset, route=route, estimator=estimator, nperseg=nperseg, max_order=max_order, check=check
     )

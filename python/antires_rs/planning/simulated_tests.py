@@ -191,7 +191,7 @@ class Judge:
         nothing = self._plain(np.array([0]), values, paired)[1][0]
         count = len(self.test.elements)
         evidence[:count] += self.prior.log_of(1, count)
-        evidence[count:] += self.prior.log_others(max(self.n - count, 1))[0]
+        evidence[count:] += self.prior.log_elsewhere(max(self.n - count, 1))
         nothing = nothing + self.prior.log_of(0, count)
         best = np.argmax(evidence, axis=0)
         declared = (evidence.max(axis=0) > nothing) & (best < count)

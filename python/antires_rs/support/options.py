@@ -12,6 +12,7 @@ from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
 
+from ..exceptions import reject
 from .checks import choice, finite_scalar, integer
 from .messages import warn_of_change
 
@@ -128,8 +129,11 @@ def documented(options: type[Chosen]) -> type[Chosen]:
     return options
 
 
-def gathered(call: str, place: str, chosen: Chosen, older: Mapping[str, Any]) -> Chosen:
+def gathered(call: str, place: str, kind: type[Chosen], given: Any, older: Mapping[str, Any]) -> Chosen:
     """The options of ``place=``, joined by those given flat, as until 0.1, with a warning."""
+    if given is not None and not isinstance(given, kind):
+        reject(place, given, f"{kind.__name__}(...), or None", "See its docstring for the options.")
+    chosen: Chosen = kind() if given is None else given
     left = [name for name in older if name in chosen.left]
     for name in left:
         warn_of_change(f"{call}: {name} has left and has no effect: {chosen.left[name]}")
