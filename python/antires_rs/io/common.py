@@ -43,6 +43,24 @@ def unsuitable(
     raise UnsuitableDataError("path", f"{str(path)!r}, {found}", wanted, remedy)
 
 
+def most_bytes(path: Path) -> int:
+    """What a file may allocate in this process: its own size, or ANTIRES_MAX_BYTES, 1 GB by default."""
+    stated = os.environ.get("ANTIRES_MAX_BYTES", "1e9")
+    try:
+        return max(path.stat().st_size, int(float(stated)))
+    except (ValueError, OverflowError):
+        remedy = "Correct or remove this environment variable."
+        reject("ANTIRES_MAX_BYTES", repr(stated), "a number of bytes, as 2e9", remedy)
+
+
+def bounded(path: Path, size: int, found: str) -> None:
+    """Refuse a file whose numbers ask for more bytes than it may allocate."""
+    most = most_bytes(path)
+    if size > most:
+        remedy = "If it is not damaged, allow more by the environment variable ANTIRES_MAX_BYTES."
+        unsuitable(path, f"{found}, {size:.3g} bytes in memory", f"at most {most:.3g} bytes", remedy)
+
+
 def brief(exc: BaseException) -> str:
     """The first line of an error of another package, at most so long that it can be read."""
     said = (str(exc).splitlines() or [""])[0]
