@@ -261,7 +261,8 @@ def columns_of_parquet(path: str, request: dict[str, Any]) -> Answer:
         data = table.column(each.name)
         if data.null_count:
             raise Unfit(f"the column {each.name!r} has {data.null_count} empty cells")
-        said = {key.decode(): text.decode() for key, text in (each.metadata or {}).items()}
+        metadata = (each.metadata or {}).items()
+        said = {key.decode(errors="replace"): text.decode(errors="replace") for key, text in metadata}
         unit = said.get("unit") or said.get("units") or ""
         made.append(column(each.name, data.to_numpy(), unit))
     instants = [each["name"] for each in made if "instants" in each]
