@@ -65,12 +65,11 @@ class RunFolder:
             got = f"{str(path)!r}, no folder for results"
         elif record and made.job_path().resolve() != job.path.resolve():
             got = f"{name!r}, which holds the results of {record.get('job')}"
-        elif not (
-            record or (path / "series.parquet").exists() or whole.is_relative_to(job.path.resolve().parent)
-        ):
+        elif not record and not whole.is_relative_to(job.path.resolve().parent):
             # Elsewhere it may be anyone's, and a job may be a stranger's.
+            begun = job.task == "series" and (path / "series.parquet").exists()
             there = [file.name for file in (made.result, made.summary, made.report) if file.exists()]
-            got = f"{name!r}, which holds {there[0]} of no job" if there else ""
+            got = f"{name!r}, which holds {there[0]} of no job" if there and not begun else ""
         if got:
             remedy = 'Name one under [output], folder = "...".'
             job.reject(("output", "folder"), got, "a folder of this job's own", remedy)

@@ -6,7 +6,6 @@ import argparse
 import time
 import warnings
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -176,10 +175,16 @@ class Arrivals:
         for path in sorted(self._folder.iterdir(), key=natural):
             if not is_measurement(path) or any(one.is_relative_to(path.resolve()) for one in self._beside):
                 continue
-            with suppress(FileNotFoundError):  # renamed while it was looked at
+            try:
                 inside = path.iterdir() if path.is_dir() else ()
                 # A clock that is ahead dates files in the future.
                 if abs(time.time() - max(one.stat().st_mtime for one in (path, *inside))) >= SETTLED_S:
+                    found.append(path)
+                    continue
+            except (
+                OSError
+            ) as exc:  # renamed while it was looked at; or what will never be read, which is told
+                if path.is_symlink() or not isinstance(exc, FileNotFoundError):
                     found.append(path)
                     continue
             self.growing = True

@@ -15,7 +15,7 @@ import numpy as np
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import choice
-from ..support.files import write_atomically
+from ..support.files import cell, write_atomically
 from ._child import Answer, Unfit, answer, asked, called, room
 from .channels import Channel, recording_of
 from .child_process import Limits, channels_of_child
@@ -125,7 +125,7 @@ def write_csv(path: PathLike, signal: Signal, *, unit: str | None = None, delimi
         head = {"kind": "recording", "dofs": dofs, "rows": signal.n_samples, "unit": unit}
         head |= {"fs_hz": signal.fs_hz, "force": bool(forces)}
         columns = [np.arange(signal.n_samples) / signal.fs_hz, *signal.responses, *forces]
-        names = ["time [s]", *(f"{dof} [{unit}]" for dof in dofs), *["force [N]"] * len(forces)]
+        names = ["time [s]", *(f"{cell(dof)} [{unit}]" for dof in dofs), *["force [N]"] * len(forces)]
     else:
         unit = ("m/s2/N" if signal.kind == "frf" else "1") if unit is None else unit
         more = [name for name in ("coherence", "std") if getattr(signal, name) is not None]
