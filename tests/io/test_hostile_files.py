@@ -14,6 +14,7 @@ import pytest
 from scipy import sparse
 
 import antires_rs as ar
+from antires_rs.io import archive, matrix_files
 from tests.support.job_files import DAMAGE, write_measured
 
 for _package in ("h5py", "pyarrow"):
@@ -203,3 +204,23 @@ def test_parquet_runs_nothing_it_carries(tmp_path):
     pq.write_table(pa.table([[0.0, 0.5, 1.0], [1.0, 2.0, 4.0]], schema=schema), tmp_path / "a.parquet")
     assert ar.read_parquet(tmp_path / "a.parquet").n_samples == 3
     assert not os.path.exists(ran)
+
+
+#: What is changed in the text of a file of write_matrices, or in its places, before its checksums are made.
+OWN = {"entries beyond": 2**31, "dofs without end": {"n_dof": 2_000_000_000}, "dofs below": {"n_dof": -1}}
+OWN |= {"no number of dofs": {"n_dof": "x"}, "no list": {"keep": 7}, "no matrix": {"mass": None}}
+
+
+@pytest.mark.parametrize("change", OWN.values(), ids=OWN)
+def test_matrices_of_ours_with_right_checksums_over_wrong_numbers(tmp_path, change):
+    model, store = ar.MatrixModel(K.toarray(), np.eye(3)), archive.Store()
+    recipe = archive.encoded(model.description.recipe, store)
+    if isinstance(change, dict):
+        recipe |= change
+    else:
+        places = {name: array for name, array in store.arrays.items() if array.dtype == np.uint32}
+        store.arrays |= {name: np.full_like(array, change) for name, array in places.items()}
+    held = {"format": matrix_files.FORMAT, "version": matrix_files.VERSION, "recipe": recipe}
+    file = archive.write_store(tmp_path / "k.npz", held, store)
+    with pytest.raises(ar.UnsuitableDataError):
+        ar.read_matrices(file)

@@ -21,6 +21,8 @@ _PARTS, _DRIFT = 32, 1e-3
 _EVEN = "instants in s, evenly spaced and ascending"
 _INSTANTS = "Resample it, cut out an even part, or leave the instants out and pass the rate."
 
+BYTES_OF_DOF = 256  # of a model, whatever its matrices hold
+
 Signal = Recording | FrequencyResponse
 
 
@@ -82,7 +84,7 @@ def parts_of(path: Path, wanted: str) -> Iterator[None]:
         yield
     except AntiresError:
         raise
-    except (KeyError, TypeError, AttributeError, IndexError, ValueError) as exc:
+    except (LookupError, TypeError, AttributeError, ArithmeticError, ValueError, RecursionError) as exc:
         unsuitable(path, f"which is damaged ({type(exc).__name__}: {exc})", wanted)
 
 

@@ -24,9 +24,9 @@ from ..models.structural_model import ModelDescription
 from ..support.directions import DIRECTIONS, NAMES
 from ..support.messages import warn
 from ._child import Answer, room
-from .archive import Store, decoded, encoded, read_store, recipe_1, write_store
+from .archive import Store, decoded, encoded, read_store, recipe_1, within, write_store
 from .child_process import Limits, in_a_child
-from .common import bounded, existing_file, most_bytes, require, unsuitable
+from .common import BYTES_OF_DOF, bounded, existing_file, most_bytes, parts_of, require, unsuitable
 from .options import PathLike
 from .own_format import read_archive
 
@@ -446,7 +446,6 @@ def _records(content: bytes, order: str) -> Iterator[bytes]:
 # -- Matrices in the files of finite-element programs: a reader for each format, chosen by the ending
 
 
-_BYTES_OF_DOF = 256  # of a model, whatever its matrices hold
 #: What reads a format, and what its files should be, by their endings.
 _ABAQUS = read_abaqus, "node, dof, node, dof, value, as FORMAT=MATRIX INPUT or LABELS write them"
 _MARKET = read_matrix_market, "a whole Matrix Market file of a real square matrix"
@@ -478,7 +477,7 @@ def matrices_in(name: str, path: PathLike) -> dict[str, Labelled]:
         unsuitable(file, f"which is cut, damaged or of another kind ({exc})", wanted)
     for each in found.values():
         n_dof = max(each.matrix.shape)
-        bounded(file, _BYTES_OF_DOF * n_dof, f"with {n_dof} dofs")
+        bounded(file, BYTES_OF_DOF * n_dof, f"with {n_dof} dofs")
     if not found:
         unsuitable(file, "without a matrix", wanted)
     return found
@@ -657,12 +656,14 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
 
 
 def _own(path: PathLike) -> MatrixModel:
-    file, data = read_store(path, FORMAT, VERSION, "a file of write_matrices")
-    if data["version"] == 1:
-        recipe = recipe_1(data | dict(zip(("stiffness", "mass"), data["matrices"], strict=True)))
-    else:
-        recipe = decoded(data["recipe"], str(file))
-    return MatrixModel.from_description(ModelDescription(recipe, ()))
+    wanted = "a file of write_matrices"
+    file, data = read_store(path, FORMAT, VERSION, wanted)
+    with parts_of(file, wanted):
+        if data["version"] == 1:
+            recipe = recipe_1(data | dict(zip(("stiffness", "mass"), data["matrices"], strict=True)))
+        else:
+            recipe = decoded(data["recipe"], str(file))
+        return MatrixModel.from_description(ModelDescription(within(recipe, file), ()))
 
 
 def _labelled(name: str, given: Any, letter: str) -> Labelled:
