@@ -532,7 +532,9 @@ def read_matrices(
     Raises
     ------
     UnsuitableDataError, InvalidInputError
-        A file that is cut, damaged or of another kind; matrices not square, symmetric and of one size.
+        A file that is cut, damaged or of another kind, or that would take more than 1 GB and its own size
+        (the environment variable ``ANTIRES_MAX_BYTES`` allows more); matrices not square, symmetric and of
+        one size.
 
     Notes
     -----

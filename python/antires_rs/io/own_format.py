@@ -158,7 +158,7 @@ def read_npz(path: PathLike, **options: Unpack[OfArrays]) -> Signal:
 
     A file of ours states everything itself: ``dofs=`` renames its channels or leaves some out, ``force=None``
     drops its force, and any other option that does not agree with it is refused. So are objects, which need
-    pickle.
+    pickle, and what unpacks to more than 1 GB (the environment variable ``ANTIRES_MAX_BYTES`` allows more).
 
     Examples
     --------
