@@ -7,6 +7,7 @@ import re
 import struct
 import subprocess
 import sys
+import time
 import zipfile
 
 import numpy as np
@@ -224,3 +225,21 @@ def test_matrices_of_ours_with_right_checksums_over_wrong_numbers(tmp_path, chan
     file = archive.write_store(tmp_path / "k.npz", held, store)
     with pytest.raises(ar.UnsuitableDataError):
         ar.read_matrices(file)
+
+
+#: A megabyte of what is looked at again and again where the search is not linear; 20 s and more before.
+LONG = {
+    "a.uff": (ar.read_uff, b"    -1\n" * 150_000),
+    "a.lvm": (ar.read_lvm, b"LabVIEW Measurement\n" + b"***Start_Special***\n" * 50_000),
+    "dofs.txt": (ar.io.read_dof_map, b"".join(b"%d UX\n" % (i % 79_999) for i in range(80_000))),
+}
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_time_grows_with_the_length_of_a_file(tmp_path, name):
+    read, content = LONG[name]
+    (tmp_path / name).write_bytes(content)
+    start = time.process_time()
+    with pytest.raises(ar.UnsuitableDataError):
+        read(tmp_path / name)
+    assert time.process_time() - start < 10.0

@@ -640,13 +640,15 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
         return {(node, DIRECTIONS[code]): row for row, (node, code) in enumerate(points)}
     wanted = "a line 'node direction' or 'row node direction' for each row, each once"
     found: dict[tuple[int, str], int] = {}
+    taken: set[int] = set()
     for number, line in enumerate(file.read_text(encoding="utf-8", errors="replace").splitlines(), 1):
         parts = re.split(r"[\s,;]+", line.strip())
         if not parts[-1] or parts[0].startswith(("#", "!", "$", "%")):
             continue
         code = NAMES.get(parts[-1].upper()) if all(p.isdigit() for p in parts[:-1]) else None
         row = int(parts[0]) - first_row if len(parts) == 3 and code is not None else len(found)
-        if code is not None and len(parts) in (2, 3) and row >= 0 and row not in found.values():
+        if code is not None and len(parts) in (2, 3) and row >= 0 and row not in taken:
+            taken.add(row)
             point = (int(parts[-2]), DIRECTIONS[code])
             if found.setdefault(point, row) == row:
                 continue
