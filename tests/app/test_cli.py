@@ -184,7 +184,6 @@ def test_ctrl_c_while_modules_are_loaded_is_one_line(tmp_path, module):
     (tmp_path / "job.toml").write_text(DAMAGE)
     code = f"""
 import os, signal, sys
-signal.signal(signal.SIGINT, signal.default_int_handler)
 class Interrupting:
     def find_spec(self, name, path=None, target=None):
         if name == {module!r}:

@@ -45,6 +45,22 @@ def test_damage_from_antiresonances(tmp_path, capsys):
     assert (loaded.fun, loaded.nfev, loaded.seed) == (same.fun, same.nfev, 1)
 
 
+@pytest.mark.parametrize("name", ["summary.json", "result.npz", "report.html"])
+def test_a_job_replaces_no_result_elsewhere_that_no_job_wrote(tmp_path, capsys, name):
+    own, mine = tmp_path / "strange", tmp_path / "mine"
+    own.mkdir()
+    write_measured(own)
+    (own / "job.toml").write_text(DAMAGE.replace("[output]", '[output]\nfolder = "../mine"'))
+    mine.mkdir()
+    (mine / name).write_text("mine")
+    assert cli.main(["damage", str(own / "job.toml")]) == 2
+    assert f"'mine', which holds {name} of no job" in capsys.readouterr().err
+    assert (mine / name).read_text() == "mine"
+    (mine / name).unlink()
+    assert cli.main(["damage", str(own / "job.toml")]) == 0
+    assert cli.main(["damage", str(own / "job.toml")]) == 0  # its own
+
+
 def test_an_update_and_then_damage_with_its_result(tmp_path):
     write_measured(tmp_path, level=0, perturbation=0.08)
     quick = UPDATE.replace("seed = 1", "seed = 1\nmax_evaluations = 20_000")

@@ -123,6 +123,39 @@ def test_a_file_that_grows_is_left_alone(tmp_path):
     assert not arrivals.growing
 
 
+@pytest.mark.skipif(os.name != "posix", reason="pipes and links of POSIX")
+@pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
+def test_files_that_will_never_be_read_are_told_and_set_aside(tmp_path, capsys, monkeypatch):
+    folder = tmp_path / "records"
+    folder.mkdir()
+    written(folder, 0)
+    os.mkfifo(folder / "pipe.npz")
+    (folder / "link.npz").symlink_to("nowhere")
+    (folder / "a\x1b[2J\nall.npz").write_bytes(b"torn")
+    np.savez_compressed(folder / "large.npz", fs=256.0, a=np.zeros((4, 200_000)))
+    (folder / "memory.npz").write_bytes((folder / "test_0.npz").read_bytes())
+    for file in filter(os.path.exists, folder.iterdir()):
+        aged(file)
+    os.utime(folder / "test_0.npz", 2 * (time.time() + 9e8,))  # dated in the future
+    monkeypatch.setenv("ANTIRES_MAX_BYTES", "1e6")
+    reader = one_test.READERS["npz"]
+
+    def read(path, **options):
+        if path.name == "memory.npz":
+            raise MemoryError
+        return reader(path, **options)
+
+    monkeypatch.setitem(one_test.READERS, "npz", read)
+    command = ["watch", str(folder), *GIVEN, "--once", "--out", str(tmp_path / "out")]
+    assert main(command) == 0
+    said = capsys.readouterr().out
+    for name in ("pipe", "link", "large", "memory"):
+        assert f"\n{name}.npz: failed, " in f"\n{said}"
+    assert r"'a\x1b[2J\nall.npz': failed, " in said
+    assert "\x1b" not in said
+    assert list(ar.Series.load(tmp_path / "out" / "series.parquet").failed) == [0, 1, 2, 3, 4]
+
+
 def test_files_are_read_as_identify_reads_them_and_what_fails_is_told(tmp_path, capsys):
     folder = tmp_path / "records"
     folder.mkdir()

@@ -156,6 +156,10 @@ def test_rows_are_counted_against_our_header(tmp_path):
 
 def test_units_that_are_written(tmp_path):
     refused("^unit: got 'g'; wanted an SI unit", ar.write_csv, tmp_path / "a.csv", recording(), unit="g")
+    odd = ar.Recording([TIP, ROOT], 200.0, dofs=["=cmd|' /C calc'!A0", "+Z"])
+    file = ar.write_csv(tmp_path / "b.csv", odd)  # which a spreadsheet would carry out
+    assert file.read_text().splitlines()[-51].startswith("time [s],'=cmd|' /C calc'!A0 [m/s2],+Z [")
+    assert ar.read_csv(file).dofs == odd.dofs
     refused("^delimiter: got '|'", ar.write_csv, tmp_path / "a.csv", recording(), delimiter="|")
     assert 'unit: "m/s"' in ar.write_csv(tmp_path / "a.csv", recording(), unit="m/s").read_text()
 

@@ -18,10 +18,8 @@ from tests.support.tolerances import INTERRUPT_S
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
 
-# Where the tests themselves run in the background, SIGINT is ignored, and children inherit that.
 PREAMBLE = """
-import signal, sys, threading, numpy as np, antires_rs as ar
-signal.signal(signal.SIGINT, signal.default_int_handler)
+import sys, threading, numpy as np, antires_rs as ar
 case = ar.cases.chain8(perturbation=0.08, rng=0)
 problem = case.updating_problem()
 endless = ar.IslandGA(patience=10**9, polish_interval=10**9, max_evaluations=10**15)  # no island ever waits

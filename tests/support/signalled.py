@@ -15,10 +15,8 @@ LONG = UPDATE.replace(
     "improvement_tolerance = 0.02\npolish = false\nworkers = 1",
 )
 
-# Where the tests themselves run in the background, SIGINT is ignored, and children inherit that.
 ANTIRES = """
-import signal, sys
-signal.signal(signal.SIGINT, signal.default_int_handler)
+import sys
 from antires_rs.app.main import main
 sys.exit(main(sys.argv[1:]))
 """

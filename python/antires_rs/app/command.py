@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..exceptions import AntiresError, AntiresWarning, Argument, InvalidInputError, UnsuitableDataError
-from .parser import complain, parser
+from .parser import complain, parser, printable
 
 
 def run(argv: Sequence[str] | None) -> int:
@@ -41,7 +41,7 @@ def _warn(message: Warning | str, category: type[Warning], filename: str, lineno
     """One line for each thing that a warning of ours says; others as Python has them."""
     if issubclass(category, AntiresWarning):
         for said in str(message).splitlines():
-            print(f"antires: warning: {said}", file=sys.stderr)
+            print(printable(f"antires: warning: {said}"), file=sys.stderr)
     else:
         print(warnings.formatwarning(message, category, filename, lineno), end="", file=sys.stderr)
 
@@ -52,18 +52,18 @@ def _warn(message: Warning | str, category: type[Warning], filename: str, lineno
 def say(text: str) -> None:
     """A line of progress; on a terminal only."""
     if sys.stderr.isatty():
-        sys.stderr.write(f"{text}\n")  # in one piece, whenever Ctrl-C comes
+        sys.stderr.write(f"{printable(text)}\n")  # in one piece, whenever Ctrl-C comes
         sys.stderr.flush()
 
 
 def hint(text: str) -> None:
     """A line on standard error that is no error."""
-    print(f"antires: {text}", file=sys.stderr)
+    print(printable(f"antires: {text}"), file=sys.stderr)
 
 
 def show(as_json: bool, data: Any, text: object) -> None:
     """What a command found, on standard output: numbers for machines, or the text."""
-    print(json.dumps(data, indent=1, allow_nan=False) if as_json else text)
+    print(json.dumps(data, indent=1, allow_nan=False) if as_json else printable(text))
 
 
 def new_file(option: str, file: Path | None, *endings: str) -> None:

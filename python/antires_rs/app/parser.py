@@ -18,7 +18,16 @@ from ..support.messages import EDIT_WANTED, edit_named
 
 def complain(error: object, program: str = "antires") -> None:
     """The one line on standard error that ends a command."""
-    print(f"{program}: error: {error}", file=sys.stderr)
+    print(printable(f"{program}: error: {error}"), file=sys.stderr)
+
+
+#: What moves the cursor of a terminal, colours it, or turns the direction of writing; lines may end.
+_CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
+
+
+def printable(text: object) -> str:
+    r"""A text for a terminal: control characters, which names in files may have, as escapes, ``\x1b``."""
+    return _CONTROL.sub(lambda found: repr(found[0])[1:-1], str(text))
 
 
 class Parser(argparse.ArgumentParser):

@@ -56,9 +56,24 @@ class RunFolder:
 
     @classmethod
     def of(cls, job: Job) -> RunFolder:
-        """The folder that a job names; ``<job>_results`` beside it by default."""
+        """The folder that a job names; ``<job>_results`` beside it by default. One of others is refused."""
         name = job.sections["output"].get("folder")
-        return cls(job.file(name) if name else job.path.with_name(f"{job.path.stem}_results"))
+        made = cls(job.file(name) if name else job.path.with_name(f"{job.path.stem}_results"))
+        path, name, got = made.folder, made.folder.name, ""
+        record, whole = made.read_record(), path.resolve()
+        if (path.exists() and not path.is_dir()) or whole == Path(whole.anchor):
+            got = f"{str(path)!r}, no folder for results"
+        elif record and made.job_path().resolve() != job.path.resolve():
+            got = f"{name!r}, which holds the results of {record.get('job')}"
+        elif not record and not whole.is_relative_to(job.path.resolve().parent):
+            # Elsewhere it may be anyone's, and a job may be a stranger's.
+            begun = job.task == "series" and (path / "series.parquet").exists()
+            there = [file.name for file in (made.result, made.summary, made.report) if file.exists()]
+            got = f"{name!r}, which holds {there[0]} of no job" if there and not begun else ""
+        if got:
+            remedy = 'Name one under [output], folder = "...".'
+            job.reject(("output", "folder"), got, "a folder of this job's own", remedy)
+        return made
 
     def numbered(self, what: str, number: int) -> Path:
         """File of the set of one [data], or of its intact counterpart, numbered from 0."""
@@ -449,20 +464,13 @@ def _searched(
 
 def _check_folder(job: Job, folder: RunFolder, resume: bool, fresh: bool) -> None:
     """Refuse a folder that this run may not use."""
-    path, name, place = folder.folder, folder.folder.name, ("output", "folder")
-    if (path.exists() and not path.is_dir()) or path.resolve() == Path(path.resolve().anchor):
-        remedy = 'Name one under [output], folder = "...".'
-        job.reject(place, f"{str(path)!r}, no folder for results", "a folder of this job's own", remedy)
-    record = folder.read_record()
-    if record and folder.job_path().resolve() != job.path.resolve():
-        got = f"{name!r}, which holds the results of {record.get('job')}"
-        job.reject(place, got, "a folder of this job's own", 'Name one under [output], folder = "...".')
+    name, place = folder.folder.name, ("output", "folder")
     if folder.unfinished and not (resume or fresh):
         got = f"{name!r}, where a search of this job waits that did not finish"
         remedy = f"Go on with 'antires resume {job.path.name}', or begin anew with --fresh."
         job.reject(place, got, "a folder without one", remedy)
     # Killed before the first checkpoint, a search begins again with the sets that it had.
-    if resume and not (folder.unfinished or record.get("state") == "searching"):
+    if resume and not (folder.unfinished or folder.read_record().get("state") == "searching"):
         remedy = f"Begin with 'antires {job.task} {job.path.name}'."
         job.reject(place, f"{name!r}, where no search waits", "a search that did not finish", remedy)
 

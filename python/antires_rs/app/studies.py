@@ -21,6 +21,7 @@ from .arguments import model_of
 from .command import arguments, existing, hint, new_file, say, show
 from .job import read_job
 from .keys import HEADINGS, SIGNAL_ENDINGS, UNSET, format_of, template
+from .parser import printable
 from .reading import check_files, identified, measured_of, read_signal, refuse_beside
 from .run import RunFolder
 
@@ -174,7 +175,7 @@ def resume(args: argparse.Namespace) -> int:
         if job.sections["output"].get("report", True) and not folder.report.exists():
             hint(f"for its report: antires report {runs.near(folder.folder)}")
         text = folder.summary.read_text(encoding="utf-8") if args.json else f"{done.summary()}\n"
-        print(text, end="")
+        print(printable(text), end="")
         return 0
     got = f"{str(args.job)!r}, whose run was stopped and kept no checkpoint"
     remedy = (

@@ -6,7 +6,6 @@ import argparse
 import time
 import warnings
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -30,6 +29,7 @@ from ..watch.store import LastingStore
 from .command import arguments, existing, hint, say, show
 from .job import Job, read_job
 from .keys import FOLDER, format_of, shown
+from .parser import printable
 from .reading import EDITS, OPTIONS, Call, Spell, read_signal
 from .run import RunFolder, picture_name, write_json
 
@@ -175,10 +175,16 @@ class Arrivals:
         for path in sorted(self._folder.iterdir(), key=natural):
             if not is_measurement(path) or any(one.is_relative_to(path.resolve()) for one in self._beside):
                 continue
-            with suppress(FileNotFoundError):  # renamed while it was looked at
+            try:
                 inside = path.iterdir() if path.is_dir() else ()
                 # A clock that is ahead dates files in the future.
                 if abs(time.time() - max(one.stat().st_mtime for one in (path, *inside))) >= SETTLED_S:
+                    found.append(path)
+                    continue
+            except (
+                OSError
+            ) as exc:  # renamed while it was looked at; or what will never be read, which is told
+                if path.is_symlink() or not isinstance(exc, FileNotFoundError):
                     found.append(path)
                     continue
             self.growing = True
@@ -200,7 +206,7 @@ class Told:
         """Print the line of a test once, for good."""
         if name in self._names:
             return
-        print(line, flush=True)
+        print(printable(line), flush=True)
         self._names.add(name)
         with open(self._path, "a", encoding="utf-8", errors="replace") as file:
             file.write(f"\n{name}\n" if self._torn else f"{name}\n")
@@ -276,7 +282,7 @@ class _Teller:
     def say_once(self, text: str) -> None:
         """Print, unless that was the last word."""
         if text != self._said:
-            print(text, flush=True)
+            print(printable(text), flush=True)
         self._said = text
 
     def tell(self, series: Series) -> None:
@@ -285,7 +291,7 @@ class _Teller:
         count, wanted = len(series), self._args.baseline
         for i, why in series.failed.items():
             if min(i, count - 1) < wanted:
-                self._told.tell(series.names[i], f"{series.names[i]}: failed, {why}")
+                self._told.tell(series.names[i], _line_of(series.names[i], f"failed, {why}"))
         if count < wanted:
             print(f"{count} of {wanted} baseline tests, {len(series.failed)} failed", flush=True)
             return
@@ -296,7 +302,7 @@ class _Teller:
         for i in range(wanted, count):
             self._told.tell(series.names[i], _line(watched, i))
         if not self._warned:
-            print(str(watched), flush=True)
+            print(printable(watched), flush=True)
         self._warned = True
         try:
             watched.report(self._args.out / "watch.html")
@@ -304,16 +310,21 @@ class _Teller:
             print(f"no page: {exc}", flush=True)
 
 
+def _line_of(name: str, what: str) -> str:
+    """The line of a test; a line end in the name of its file makes no other."""
+    return f"{name!r}: {what}" if "\n" in name else f"{name}: {what}"
+
+
 def _line(watched: Watched, test: int) -> str:
     """One test."""
     name = watched.names[test]
     if test in watched.failed:
-        return f"{name}: failed, {watched.failed[test]}"
+        return _line_of(name, f"failed, {watched.failed[test]}")
     faults = "".join(f"; sensor fault: dof {one.dof}, {one.text}" for one in watched.faults.get(test, ()))
     if watched.unjudged[test]:
-        return f"{name}: not judged{faults}"
+        return _line_of(name, f"not judged{faults}")
     verdict = f"ALARM ({', '.join(watched.why(test))})" if watched.alarm[test] else "no alarm"
     run = next((first for first, last in watched.runs if first <= test <= last), None)
     found = watched.assessments.get(run) if watched.alarm[test] and run is not None else None
     damage = "" if found is None else f"\n  {found.headline}"
-    return f"{name}: {verdict}, {watched.statistic[test]:.2f} of the limit{faults}{damage}"
+    return _line_of(name, f"{verdict}, {watched.statistic[test]:.2f} of the limit{faults}{damage}")

@@ -56,12 +56,13 @@ def called(names: Iterable[Any]) -> str:
 
 
 def limit_memory(gigabytes: float) -> None:
-    """Cap the address space, where the system can."""
+    """Cap the address space, where the system can; a lower limit that was set already stays."""
     try:
         import resource
     except ImportError:
         return
-    most = int(gigabytes * 2**30)
+    set_already = (each for each in resource.getrlimit(resource.RLIMIT_AS) if each != resource.RLIM_INFINITY)
+    most = min([int(gigabytes * 2**30), *set_already])
     resource.setrlimit(resource.RLIMIT_AS, (most, most))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 

@@ -45,7 +45,7 @@ from ..optimize.island_ga import History, OptimizeResult
 from ..support.messages import warn
 from ..updating.problem import DamagePenalty, UpdatingProblem
 from ..updating.result import UpdateResult
-from .common import existing_file, parts_of, unsuitable
+from .common import BYTES_OF_DOF, bounded, existing_file, parts_of, unsuitable
 from .options import PathLike
 from .own_format import TEXT, read_archive, write_archive
 
@@ -75,21 +75,22 @@ def read_store(path: PathLike, form: str, version: int, wanted: str) -> tuple[Pa
     """The text with its arrays in place, all hashes compared."""
     file = existing_file(path)
     arrays = read_archive(file, wanted)
-    if TEXT not in arrays or "text_sha256" not in arrays:
-        unsuitable(file, "an archive of another kind", wanted)
-    text = bytes(arrays[TEXT])
-    if sha256(text).digest() != bytes(arrays["text_sha256"]):
-        unsuitable(file, "whose text does not have its checksum", wanted)
-    data = json.loads(text)
-    if data.get("format") != form:
-        unsuitable(file, f"which holds {data.get('format')!r}", wanted, "Name the right file.")
-    if not isinstance(data.get("version"), int) or data["version"] > version:
-        older = f"version {version} or older"
-        unsuitable(file, f"of version {data.get('version')!r}", older, "Update antires_rs.")
-    for name, digest in data["sha256"].items():
-        if name not in arrays or _digest(arrays[name]) != digest:
-            unsuitable(file, f"whose array {name} is missing or does not have its checksum", wanted)
-    return file, _filled(data, arrays)
+    with parts_of(file, wanted):
+        if TEXT not in arrays or "text_sha256" not in arrays:
+            unsuitable(file, "an archive of another kind", wanted)
+        text = bytes(arrays[TEXT])
+        if sha256(text).digest() != bytes(arrays["text_sha256"]):
+            unsuitable(file, "whose text does not have its checksum", wanted)
+        data = json.loads(text)
+        if data.get("format") != form:
+            unsuitable(file, f"which holds {data.get('format')!r}", wanted, "Name the right file.")
+        if not isinstance(data.get("version"), int) or data["version"] > version:
+            older = f"version {version} or older"
+            unsuitable(file, f"of version {data.get('version')!r}", older, "Update antires_rs.")
+        for name, digest in data["sha256"].items():
+            if name not in arrays or _digest(arrays[name]) != digest:
+                unsuitable(file, f"whose array {name} is missing or does not have its checksum", wanted)
+        return file, _filled(data, arrays)
 
 
 def _filled(value: Any, arrays: dict[str, NDArray[Any]]) -> Any:
@@ -180,7 +181,20 @@ def decoded(data: Any, name: str) -> Any:
         return AntiresonanceSet.from_json(parts["json"], name)
     if issubclass(made, StructuralModel):
         return made.from_description(parts["description"])
-    return made(**parts)
+    return within(made(**parts), Path(name))
+
+
+def within(recipe: Any, file: Path) -> Any:
+    """What it is given; of matrices the size is bounded and the entries are inside, which others trust."""
+    if not isinstance(recipe, MatrixRecipe):
+        return recipe
+    n, tied = recipe.n_dof, recipe.constraints
+    size = n if tied is None else max(n, int(tied.rows.max()) + 1)
+    bounded(file, BYTES_OF_DOF * size, f"with {size} dofs")
+    held = (recipe.stiffness, recipe.mass, *recipe.stiffness_terms, *recipe.mass_terms)
+    if any(np.max([each.rows, each.columns], initial=0) >= n for each in held):
+        raise ValueError(f"entries outside its {n} dofs")
+    return recipe
 
 
 def versions() -> dict[str, str]:
@@ -337,7 +351,7 @@ def _model_3(data: dict[str, Any], name: str) -> StructuralModel:
             reductions = np.array([p.quantity == "stiffness_reduction" for p in parameters])
             values = np.where(reductions & (np.abs(values) < problem["penalty"]["snap"]), 0.0, values)
         return _model_3(problem["model"], name).with_parameters(parameters, values)
-    recipe: Recipe = _RECIPES_3[data["kind"]](data)
+    recipe: Recipe = within(_RECIPES_3[data["kind"]](data), Path(name))
     rows = data.get("applied", ())  # version 1 has none
     applied = tuple(AppliedParameters(_parameters_3(one["parameters"]), one["values"]) for one in rows)
     return _MODELS[type(recipe)].from_description(ModelDescription(recipe, applied))

@@ -21,6 +21,8 @@ _PARTS, _DRIFT = 32, 1e-3
 _EVEN = "instants in s, evenly spaced and ascending"
 _INSTANTS = "Resample it, cut out an even part, or leave the instants out and pass the rate."
 
+BYTES_OF_DOF = 512  # of a model, whatever its matrices hold: 300 are taken, and some microseconds
+
 Signal = Recording | FrequencyResponse
 
 
@@ -41,6 +43,24 @@ def unsuitable(
 ) -> NoReturn:
     """Raise for a file that is damaged or of another kind."""
     raise UnsuitableDataError("path", f"{str(path)!r}, {found}", wanted, remedy)
+
+
+def most_bytes(path: Path) -> int:
+    """What a file may allocate in this process: its own size, or ANTIRES_MAX_BYTES, 1 GB by default."""
+    stated = os.environ.get("ANTIRES_MAX_BYTES", "1e9")
+    try:
+        return max(path.stat().st_size, int(float(stated)))
+    except (ValueError, OverflowError):
+        remedy = "Correct or remove this environment variable."
+        reject("ANTIRES_MAX_BYTES", repr(stated), "a number of bytes, as 2e9", remedy)
+
+
+def bounded(path: Path, size: int, found: str) -> None:
+    """Refuse a file whose numbers ask for more bytes than it may allocate."""
+    most = most_bytes(path)
+    if size > most:
+        remedy = "If it is not damaged, allow more by the environment variable ANTIRES_MAX_BYTES."
+        unsuitable(path, f"{found}, {size:.3g} bytes in memory", f"at most {most:.3g} bytes", remedy)
 
 
 def brief(exc: BaseException) -> str:
@@ -64,7 +84,7 @@ def parts_of(path: Path, wanted: str) -> Iterator[None]:
         yield
     except AntiresError:
         raise
-    except (KeyError, TypeError, AttributeError, IndexError, ValueError) as exc:
+    except (LookupError, TypeError, AttributeError, ArithmeticError, ValueError, RecursionError) as exc:
         unsuitable(path, f"which is damaged ({type(exc).__name__}: {exc})", wanted)
 
 

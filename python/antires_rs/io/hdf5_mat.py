@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..support.files import write_atomically
-from ._child import Answer, asked
+from ._child import Answer, Unfit, asked
 from .channels import Channel, response_of, stated_recording
 from .child_process import Found, Limits, in_a_child
 from .common import Signal, rate_of, require, unsuitable
@@ -140,6 +140,10 @@ class Datasets:
         made = matlab_class(item)
         if "MATLAB_empty" in item.attrs or len(self.listed) >= MOST_ARRAYS:
             return  # the shape of what is empty is stored as numbers
+        if item.is_virtual or item.external:
+            if asked((name, name.replace("/", ".")), name.rpartition("/")[2], self.request):
+                raise Unfit(f"{name!r} lies in another file, which is not opened")
+            return
         if made == "char":  # as are texts
             if item.dtype.kind == "u" and 0 < item.size <= LONGEST_TEXT and len(self.texts) < MOST_ARRAYS:
                 self.texts[name] = "".join(map(chr, item[()].ravel(order="F").tolist()))

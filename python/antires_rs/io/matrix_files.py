@@ -10,7 +10,6 @@ from __future__ import annotations
 import gzip
 import os
 import re
-import zlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,9 +24,9 @@ from ..models.structural_model import ModelDescription
 from ..support.directions import DIRECTIONS, NAMES
 from ..support.messages import warn
 from ._child import Answer, room
-from .archive import Store, decoded, encoded, read_store, recipe_1, write_store
+from .archive import Store, decoded, encoded, read_store, recipe_1, within, write_store
 from .child_process import Limits, in_a_child
-from .common import existing_file, require, unsuitable
+from .common import BYTES_OF_DOF, bounded, existing_file, most_bytes, parts_of, require, unsuitable
 from .options import PathLike
 from .own_format import read_archive
 
@@ -111,13 +110,20 @@ def read_abaqus(file: Path) -> dict[str, Labelled]:
 
 
 def read_sparse_npz(file: Path) -> dict[str, Labelled]:
-    """The matrix of ``scipy.sparse.save_npz``, every checksum compared before SciPy sees it."""
+    """The matrix of ``scipy.sparse.save_npz``, checksums, types and places compared before SciPy uses it."""
     from scipy.sparse import load_npz
 
     arrays = read_archive(file)
     if "format" not in arrays or "shape" not in arrays:
         unsuitable(file, f"with the arrays {', '.join(arrays)}", _FORMATS[".npz"][1])
-    return {file.stem: Labelled(load_npz(file))}
+    places = {name: "iu" for name in ("shape", "indices", "indptr", "row", "col", "coords", "offsets")}
+    for name, kinds in ({"data": "biufc"} | places).items():
+        if (name in arrays or name == "data") and arrays[name].dtype.kind not in kinds:
+            raise ValueError(f"{name} of {arrays[name].dtype}")
+    matrix = load_npz(file)
+    if hasattr(matrix, "check_format"):  # its C code trusts the places
+        matrix.check_format(full_check=True)
+    return {file.stem: Labelled(matrix)}
 
 
 # -- Matrices as Nastran writes them into punch files and bulk data: the DMIG card
@@ -257,6 +263,7 @@ def _numbers(lines: list[str], form: str, count: int) -> NDArray[np.float64]:
 
 # -- Matrix Market files: a head, the sizes, and a line for each entry, all of which are counted and checked
 
+_BYTES_OF_LETTER = 8  # of a text, in memory: its lines, and their numbers
 _MARKET_HEAD = re.compile(
     r"%%matrixmarket\s+matrix\s+(array(?!\s+pattern)|coordinate)\s+(real|integer|double|pattern)"
     r"\s+(general|symmetric)"
@@ -267,8 +274,11 @@ def read_matrix_market(file: Path) -> dict[str, Labelled]:
     """The matrix of a file, under its stem."""
     from scipy.sparse import coo_array
 
-    with (gzip.open if file.suffix == ".gz" else open)(file, "rt", encoding="latin-1") as opened:
-        text = opened.read()
+    packed = file.suffix == ".gz"
+    with (gzip.open if packed else open)(file, "rt", encoding="latin-1") as opened:
+        text = opened.read(most_bytes(file) // _BYTES_OF_LETTER + 1 if packed else -1)
+    if packed:
+        bounded(file, _BYTES_OF_LETTER * len(text), "a packed text of as much or more")
     lines = [line for line in text.split("\n") if line.strip()]
     head = _MARKET_HEAD.fullmatch(lines[0].lower().strip()) if lines else None
     if head is None:
@@ -415,6 +425,8 @@ def _strings(data: bytes, first: int, apart: bool, kind: str) -> Iterator[tuple[
             words, start, at = word - 1, int(np.frombuffer(data[at + 4 : at + 8], f"{order}i4")[0]), at + 8
         else:
             words, start, at = word // _PACKED - 1, word % _PACKED, at + 4
+        if not 0 < 4 * words <= len(data) - at:
+            raise ValueError(f"a string of {words} words in a record with {len(data) - at} bytes left")
         yield start, np.frombuffer(data[at : at + 4 * words], kind)
         at += 4 * words
 
@@ -459,10 +471,13 @@ def matrices_in(name: str, path: PathLike) -> dict[str, Labelled]:
     read, wanted = _ABAQUS if ending == ".mtx" and is_abaqus(file) else _FORMATS[ending]
     try:
         found = read(file)
-    except AntiresError:
+    except (AntiresError, PermissionError):
         raise
-    except (ValueError, IndexError, RuntimeError, EOFError, gzip.BadGzipFile, zlib.error) as exc:
+    except Exception as exc:  # of SciPy, of zlib, and of what a reader does with odd numbers
         unsuitable(file, f"which is cut, damaged or of another kind ({exc})", wanted)
+    for each in found.values():
+        n_dof = max(each.matrix.shape)
+        bounded(file, BYTES_OF_DOF * n_dof, f"with {n_dof} dofs")
     if not found:
         unsuitable(file, "without a matrix", wanted)
     return found
@@ -517,7 +532,9 @@ def read_matrices(
     Raises
     ------
     UnsuitableDataError, InvalidInputError
-        A file that is cut, damaged or of another kind; matrices not square, symmetric and of one size.
+        A file that is cut, damaged or of another kind, or that would take more than 1 GB and its own size
+        (the environment variable ``ANTIRES_MAX_BYTES`` allows more); matrices not square, symmetric and of
+        one size.
 
     Notes
     -----
@@ -623,13 +640,15 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
         return {(node, DIRECTIONS[code]): row for row, (node, code) in enumerate(points)}
     wanted = "a line 'node direction' or 'row node direction' for each row, each once"
     found: dict[tuple[int, str], int] = {}
+    taken: set[int] = set()
     for number, line in enumerate(file.read_text(encoding="utf-8", errors="replace").splitlines(), 1):
         parts = re.split(r"[\s,;]+", line.strip())
         if not parts[-1] or parts[0].startswith(("#", "!", "$", "%")):
             continue
         code = NAMES.get(parts[-1].upper()) if all(p.isdigit() for p in parts[:-1]) else None
         row = int(parts[0]) - first_row if len(parts) == 3 and code is not None else len(found)
-        if code is not None and len(parts) in (2, 3) and row >= 0 and row not in found.values():
+        if code is not None and len(parts) in (2, 3) and row >= 0 and row not in taken:
+            taken.add(row)
             point = (int(parts[-2]), DIRECTIONS[code])
             if found.setdefault(point, row) == row:
                 continue
@@ -641,12 +660,14 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
 
 
 def _own(path: PathLike) -> MatrixModel:
-    file, data = read_store(path, FORMAT, VERSION, "a file of write_matrices")
-    if data["version"] == 1:
-        recipe = recipe_1(data | dict(zip(("stiffness", "mass"), data["matrices"], strict=True)))
-    else:
-        recipe = decoded(data["recipe"], str(file))
-    return MatrixModel.from_description(ModelDescription(recipe, ()))
+    wanted = "a file of write_matrices"
+    file, data = read_store(path, FORMAT, VERSION, wanted)
+    with parts_of(file, wanted):
+        if data["version"] == 1:
+            recipe = recipe_1(data | dict(zip(("stiffness", "mass"), data["matrices"], strict=True)))
+        else:
+            recipe = decoded(data["recipe"], str(file))
+        return MatrixModel.from_description(ModelDescription(within(recipe, file), ()))
 
 
 def _labelled(name: str, given: Any, letter: str) -> Labelled:

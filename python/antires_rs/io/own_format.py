@@ -25,7 +25,7 @@ from ..signals.recording import Recording
 from ..support.checks import finite_scalar
 from ..support.files import write_atomically
 from .channels import kept, renamed
-from .common import Signal, brief, parts_of, unsuitable
+from .common import Signal, bounded, brief, parts_of, unsuitable
 from .options import OfArrays, PathLike, Reading, opened, reader, writer
 from .raw_arrays import signal_of_arrays
 from .units import Unit
@@ -158,7 +158,7 @@ def read_npz(path: PathLike, **options: Unpack[OfArrays]) -> Signal:
 
     A file of ours states everything itself: ``dofs=`` renames its channels or leaves some out, ``force=None``
     drops its force, and any other option that does not agree with it is refused. So are objects, which need
-    pickle.
+    pickle, and what unpacks to more than 1 GB (the environment variable ``ANTIRES_MAX_BYTES`` allows more).
 
     Examples
     --------
@@ -210,6 +210,9 @@ def read_archive(
             alone = opened.read(len(_NPY)) == _NPY
             if not alone and not zipfile.is_zipfile(opened):
                 unsuitable(file, "which is no archive", wanted)
+            if not alone:
+                members = zipfile.ZipFile(opened).infolist()
+                bounded(file, sum(each.file_size for each in members), "a packed archive")
             opened.seek(0)
             held = np.load(opened, allow_pickle=False)
             return {file.stem: held} if alone else {name: held[name] for name in held.files}

@@ -281,7 +281,9 @@ def traces_of_miniseed(path: str, request: dict[str, Any]) -> Answer:
 
 _WANTED_LVM = "a whole LabVIEW Measurement File (.lvm)"
 _END = re.compile(r"^\*\*\*End_of_Header\*\*\*.*\n?", re.MULTILINE)
-_SPECIAL = re.compile(r"^\*\*\*Start_Special\*\*\*.*?^\*\*\*End_Special\*\*\*.*?\n", re.MULTILINE | re.DOTALL)
+_SPECIAL = re.compile(  # one without its end goes to that of the file, which keeps the search linear
+    r"^\*\*\*Start_Special\*\*\*.*?(?:^\*\*\*End_Special\*\*\*.*?\n|\Z)", re.MULTILINE | re.DOTALL
+)
 _HEADER = re.compile(r"^(?=Channels[\t,])", re.MULTILINE)
 
 

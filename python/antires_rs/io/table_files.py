@@ -15,7 +15,7 @@ import numpy as np
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import choice
-from ..support.files import write_atomically
+from ..support.files import cell, write_atomically
 from ._child import Answer, Unfit, answer, asked, called, room
 from .channels import Channel, recording_of
 from .child_process import Limits, channels_of_child
@@ -125,7 +125,7 @@ def write_csv(path: PathLike, signal: Signal, *, unit: str | None = None, delimi
         head = {"kind": "recording", "dofs": dofs, "rows": signal.n_samples, "unit": unit}
         head |= {"fs_hz": signal.fs_hz, "force": bool(forces)}
         columns = [np.arange(signal.n_samples) / signal.fs_hz, *signal.responses, *forces]
-        names = ["time [s]", *(f"{dof} [{unit}]" for dof in dofs), *["force [N]"] * len(forces)]
+        names = ["time [s]", *(f"{cell(dof)} [{unit}]" for dof in dofs), *["force [N]"] * len(forces)]
     else:
         unit = ("m/s2/N" if signal.kind == "frf" else "1") if unit is None else unit
         more = [name for name in ("coherence", "std") if getattr(signal, name) is not None]
@@ -261,7 +261,8 @@ def columns_of_parquet(path: str, request: dict[str, Any]) -> Answer:
         data = table.column(each.name)
         if data.null_count:
             raise Unfit(f"the column {each.name!r} has {data.null_count} empty cells")
-        said = {key.decode(): text.decode() for key, text in (each.metadata or {}).items()}
+        metadata = (each.metadata or {}).items()
+        said = {key.decode(errors="replace"): text.decode(errors="replace") for key, text in metadata}
         unit = said.get("unit") or said.get("units") or ""
         made.append(column(each.name, data.to_numpy(), unit))
     instants = [each["name"] for each in made if "instants" in each]

@@ -67,11 +67,14 @@ class Dataset:
     item: int = 0  # bytes of each in binary form
 
 
+_INK = re.compile(rb"[^ \r\n\t\x1a\x00]")
+
+
 def scan(data: bytes) -> list[Dataset]:
     """Every dataset of a file, in order; the last may have a problem."""
     found: list[Dataset] = []
     position = 0
-    while data[position:].strip(b" \r\n\t\x1a\x00"):
+    while _INK.search(data, position):
         begin = _MARKER.search(data, position)
         stray = data[position : begin.start() if begin else len(data)]
         if stray.strip(b" \r\n\t\x1a\x00"):

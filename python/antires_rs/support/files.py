@@ -13,6 +13,16 @@ from ..exceptions import reject
 _BESIDE = re.compile(r"\.(.+)\.(\d+)\.tmp")  # a file that is being written: its name to be, and the process
 
 
+_FORMULA = re.compile(r"[=@+\t\r-]")
+_PLAIN = re.compile(r"[+-]\w*")
+
+
+def cell(value: object) -> object:
+    """A value for a table of text; what a spreadsheet would carry out, ``=cmd``, is text to it too."""
+    formula = isinstance(value, str) and _FORMULA.match(value) and not _PLAIN.fullmatch(value)
+    return f"'{value}" if formula else value
+
+
 def write_atomically(path: str | os.PathLike[str], data: bytes) -> Path:
     """Write beside the target, then put it in place in one step; returns the path."""
     with written_beside(path) as beside, open(beside, "wb") as file:

@@ -168,9 +168,9 @@ def tried(act: Callable[..., Any], *given: Any) -> Any:
     """What ``act(*given)`` returns, or an :class:`Unread` where it fails for the sake of the record."""
     try:
         return act(*given)
-    except (MissingDependencyError, MemoryError):
+    except MissingDependencyError:
         raise  # of this machine, not of the record
-    except Exception as exc:
+    except Exception as exc:  # MemoryError too: one file of a folder must not end the watch of all others
         found = Unread(why_not(exc))
         found.unsuitable = isinstance(exc, InvalidInputError)
         return found
@@ -274,6 +274,8 @@ def fingerprint(given: Any) -> str:
             digest.update(fingerprint(one).encode())
     elif isinstance(given, Path):
         for file in sorted(filter(Path.is_file, given.iterdir())) if given.is_dir() else [given]:
+            if file.exists() and not file.is_file():  # a pipe, say, which is not read, would be waited for
+                continue
             try:
                 with open(file, "rb") as opened:
                     size = opened.seek(0, 2)

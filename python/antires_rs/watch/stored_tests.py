@@ -27,7 +27,7 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.edits import BY_HAND
 from ..measured.response_table import NUMBERS, ResponseTable
 from ..signals.one_force import DataCheck, Finding
-from ..support.files import written_beside
+from ..support.files import cell, written_beside
 from ..support.values import frozen
 
 # -- A set of antiresonances as plain data: facts about its tables, and columns with a row an antiresonance
@@ -246,9 +246,9 @@ def write_table(path: Path, rows: Sequence[Row], config: dict[str, Any] | None) 
         if path.suffix.lower() == ".csv":
             with open(beside, "w", encoding="utf-8", newline="") as file:
                 lines = csv.writer(file, lineterminator="\n")
-                lines.writerow(fields)
+                lines.writerow(map(cell, fields))
                 for columns in groups:
-                    lines.writerows(zip(*columns.values(), strict=True))
+                    lines.writerows(zip(*(map(cell, column) for column in columns.values()), strict=True))
         else:
             arrow = pyarrow()
             schema = arrow.schema(
