@@ -6,7 +6,7 @@ Sets are found in the tables; those that may be the answer are judged by the lik
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from itertools import islice
 from typing import Any, NamedTuple
@@ -33,6 +33,8 @@ from .likelihood import (
     View,
     rows_of,
 )
+from .shape_search import Crack, with_shapes
+from .shapes import PLACES, Shaped, Shapes
 from .measured_states import Column, Responses, Roots, Values, note_of_same_data, same_data, values_of
 
 # -- The model's antiresonances over the severity of each element, computed once
@@ -50,24 +52,23 @@ Single = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Tables:
-    """Roots (r,), ascending by response, at levels (l,) of u of each element (n,)."""
+    """Roots (r,), ascending by response, at levels (l,) of u of each element (n,), and of cracks behind them, at
+    levels of the loss of a whole element that is as flexible: (k,) in all."""
 
     response: NDArray[np.intp]
     seen: NDArray[np.bool_]  # by the baseline, (r,)
     identity: NDArray[np.intp]  # number among all intact roots, -1 for one that only damage makes, (r,)
     intact: FloatArray  # ln f in the undamaged model, (r,)
-    there: NDArray[np.bool_]  # whether the model has it, (n, l, r)
-    place: FloatArray  # ln f expected in the measured structure, (n, l, r)
+    there: NDArray[np.bool_]  # whether the model has it, (k, l, r)
+    place: FloatArray  # ln f expected in the measured structure, (k, l, r)
     beside: FloatArray  # how far that is from the model's
     by_own: FloatArray  # its slope by u of the element
     slopes: Single  # of ln f by all u, (n, l, r, n)
     errors: Single  # what multiplies q independent errors of the model, of variance 1, (n, l, r, q)
 
 
-def tables_of(prepared: Prepared) -> Tables:
+def tables_of(prepared: Prepared, question: Question) -> Tables:
     """The tables of a model after its baseline."""
-    from scipy.interpolate import CubicSpline
-
     likelihood, error = prepared.likelihood, prepared.likelihood.error
     n, intact = likelihood.n, error.intact
     at: list[list[tuple[Roots, NDArray[np.intp]]]] = []  # roots, and which of the intact ones they have been
@@ -103,8 +104,8 @@ def tables_of(prepared: Prepared) -> Tables:
     by_own = slopes[np.arange(n), :, :, np.arange(n)].astype(np.float64)
     for e in range(n):
         whole = there[e].all(axis=0)
-        if whole.any():
-            by_own[e][:, whole] += CubicSpline(LEVELS, beside[e][:, whole])(LEVELS, 1)
+        by_own[e][:, whole] += _along_levels(beside[e][:, whole])
+    there, place, beside, by_own = _with_cracks(prepared, question, identity_of, response, (low, high), there, log_f + beside, beside, by_own)
     # The same products of rows in fewer columns.
     flat = rows.reshape(-1, n_errors)
     sizes, vectors = np.linalg.eigh(flat.T @ flat)
@@ -113,8 +114,56 @@ def tables_of(prepared: Prepared) -> Tables:
     was = identity_of >= 0
     return Tables(
         response, was & error.seen[identity_of], identity_of, np.where(was, intact.log_f[identity_of], 0.0),
-        there, log_f + beside, beside, by_own, slopes, errors.reshape(*shape, -1),
+        there, place, beside, by_own, slopes, errors.reshape(*shape, -1),
     )  # fmt: skip
+
+
+def _along_levels(values: FloatArray) -> FloatArray:
+    """Slopes by u of what is there at all levels, (l, r)."""
+    from scipy.interpolate import CubicSpline
+
+    return np.asarray(CubicSpline(LEVELS, values)(LEVELS, 1)) if values.size else values
+
+
+def cracks_of(prepared: Prepared, question: Question) -> Shapes:
+    """Those that a full run looks at in the candidates."""
+    each = [prepared.structure.cracks(e, PLACES, prepared.stiffness_factors) for e in question.elements]
+    return Shapes(sum((one.shapes for one in each), ()), sum((one.terms for one in each), ()))
+
+
+def _with_cracks(
+    prepared: Prepared,
+    question: Question,
+    identity_of: NDArray[np.intp],
+    response: NDArray[np.intp],
+    span: tuple[float, float],
+    *tables: Any,
+) -> list[Any]:
+    """The tables by root of elements, with those of cracks behind them; how far roots lie beside the model's is
+    as where the whole element is as flexible."""
+    shapes = cracks_of(prepared, question)
+    likelihood = with_shapes(prepared, question, shapes) if len(shapes) else None
+    if likelihood is None:
+        return list(tables)
+    n, found = prepared.likelihood.n, [list(each) for each in tables]
+    betas = np.zeros((LEVELS.size, n + len(shapes)))
+    for nth, shape in enumerate(shapes.shapes):
+        step(f"cracks of element {shape.element}")
+        betas[:, n:] = 0.0
+        betas[:, n + nth] = [shape.amount(loss) for loss in -np.expm1(-LEVELS)]
+        there, log_f = np.zeros(tables[0].shape[1:], dtype=bool), np.zeros(tables[0].shape[1:])
+        for level, roots in enumerate(likelihood.roots(betas, slopes=False)):
+            roots, identity = roots.since(prepared.likelihood.error.intact)
+            slot, root = _slots(identity_of, response, roots, identity, *span)
+            there[level, slot] = True
+            log_f[level, slot] = roots.log_f[root]
+        host = prepared.numbers.index(shape.element)
+        place = log_f + tables[2][host]
+        by_own, whole = tables[3][host].copy(), there.all(axis=0)
+        by_own[:, whole] = _along_levels(place[:, whole])
+        for rows, row in zip(found, (there, place, tables[2][host], by_own), strict=True):
+            rows.append(row)
+    return [np.array(each) for each in found]
 
 
 def _listed(
@@ -254,8 +303,19 @@ class Plan:
         return _core.PreparedTables(
             c(LEVELS), c(t.response), c(t.seen), c(t.identity >= 0), c(t.intact), c(t.there), c(t.place),
             c(t.beside), c(t.by_own), c(t.slopes), c(np.moveaxis(t.slopes, 3, 0)), c(t.errors),
-            undamaged @ undamaged.T, self.learned.tau**2,
+            undamaged @ undamaged.T, np.array(self.hosts, dtype=np.intp), self.learned.tau**2,
         )  # fmt: skip
+
+    @cached_property
+    def cracks(self) -> Shapes:
+        """Those in the tables, in their order."""
+        asked = len(self.tables.place) > len(self.question.numbers)
+        return cracks_of(self.prepared, self.question) if asked else Shapes((), ())
+
+    @cached_property
+    def hosts(self) -> list[int]:
+        """The element of each."""
+        return [self.question.numbers.index(shape.element) for shape in self.cracks.shapes]
 
     @cached_property
     def alike(self) -> list[list[tuple[int, float]]]:
@@ -313,7 +373,7 @@ class Plan:
 def plan_of(question: Question, rng: np.random.Generator, threads: int) -> Plan:
     """Learn from the baseline and compute the tables."""
     prepared = question.prepared(threads, silent=True)
-    return Plan(question, tables_of(prepared), learned_from(prepared, question, rng, question.hint()))
+    return Plan(question, tables_of(prepared, question), learned_from(prepared, question, rng, question.hint()))
 
 
 # -- The search of :mod:`~antires_rs.damage.inference` with antiresonances from tables, for one test
@@ -396,6 +456,8 @@ _JOINED = (0, 10, 3)  # so many elements join a set of one and of two in the lin
 #: the same for those of the answer.
 _RESTS, _LOOKS, _SURE_RESTS = 0.06, 2, 1e-2
 _CLOSE, _LAST = 0.4, 2  # sets within this of the likeliest are judged at the end, so many
+#: Elements this near to the likeliest set (log probability), and so many, may be cracked instead; looks at each.
+_NEAR_CRACKS, _MOST_CRACKED, _CRACK_LOOKS = 10.0, 6, 3
 
 
 @dataclass
@@ -415,6 +477,42 @@ class QuickSearch(Search):
     gained: dict[Elements, float] = field(default_factory=dict)
     looks: int = 0  # at computed antiresonances
     cut: bool = False  # whether sets that may be the most probable ones were not judged
+
+    def run(self) -> None:
+        """See the base class; then cracks of the likeliest elements."""
+        super().run()
+        if self.likelihood.plan.cracks and not self.interrupted:
+            self._crack()
+
+    def _crack(self) -> None:
+        """Judge cracks of single elements as the tables have them, beside the whole element as it was judged."""
+        plan, test = self.likelihood.plan, self.likelihood.test
+        known = self._weights() | {s: rough[0] + self.log_prior(s) for s, rough in self.rough.items()}
+        least = max(known.values()) - _NEAR_CRACKS
+        singles = sorted((s for s in known if len(s) == 1 and not self.outside(s)), key=lambda s: -known[s])
+        for s in singles[:_MOST_CRACKED]:
+            own = [k for k, host in enumerate(plan.hosts) if (host,) == s]
+            if known[s] < least or not own:
+                continue
+            u = self._u(s).tolist()
+            ((*_, whole, _),) = test.settle([(list(s), u)], 1, _RESTS)
+            more = self.fits[s].log_evidence - whole if s in self.judged else 0.0
+            asked = [([self.likelihood.n + k], u) for k in own]
+            places = []
+            for k, found in zip(own, test.settle(asked, _CRACK_LOOKS, _RESTS), strict=True):
+                shape, best = plan.cracks.shapes[k], min(found[1][0], FURTHEST)
+                loss, mean, variance = -np.expm1(-best), np.array(found[2]), np.array(found[3]).reshape(1, 1)
+                # All amounts of a crack are equally probable, not all losses that are as flexible.
+                dense = np.log(shape.size) - 2.0 * np.log(loss + (1.0 - loss) * shape.size)
+                places.append((shape._replace(size=1.0), Fit((self.likelihood.n + k,), found[4] + more + dense, np.array([loss]), mean, variance, None)))
+            k = int(np.argmax([fit.log_evidence for _, fit in places]))
+            shape, fit = places[k]
+            (beta,) = self.likelihood.rows(s, fit.beta[None])
+            view = self.likelihood._view(beta, test.look(list(fit.elements), [float(fit.u[0])]))
+            places[k] = (shape, replace(fit, view=view))
+            total, reach, losses = Crack(places).over_places()
+            rows = [(float(each),) for each in losses]
+            self.shaped.cracked[s] = Shaped("crack", shape.told(reach), total, view, *rows)
 
     def _pairs(self) -> dict[Elements, FloatArray]:
         """Too many for a quick search."""

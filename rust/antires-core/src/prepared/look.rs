@@ -185,7 +185,12 @@ fn judged(
     let width = columns.len();
     let mut slopes = Vec::with_capacity(m * width);
     for i in 0..m {
-        slopes.extend(columns.iter().zip(room).map(|(&c, r)| of(i)[c] / r));
+        let slope = |c: usize| match c < t.n {
+            true => of(i)[c],
+            false if roots.gone[root[i]] => 0.0,
+            false => at.slope(t, roots.root[root[i]], c),
+        };
+        slopes.extend(columns.iter().zip(room).map(|(&c, r)| slope(c) / r));
     }
     whiten_rows(&a, best, &mut slopes, width);
     let mut vectors: Vec<Vec<f64>> = vec![white.iter().map(|w| w[best]).collect()];
