@@ -33,9 +33,9 @@ from .likelihood import (
     View,
     rows_of,
 )
-from .shape_search import Crack, with_shapes
-from .shapes import PLACES, Shaped, Shapes
-from .measured_states import Column, Responses, Roots, Values, note_of_same_data, same_data, values_of
+from .shape_search import Crack
+from .shapes import PLACES, Joined, Shaped, Shapes
+from .measured_states import Column, Responses, Roots, Values, note_of_same_data, roots_at, same_data, values_of
 
 # -- The model's antiresonances over the severity of each element, computed once
 
@@ -141,28 +141,30 @@ def _with_cracks(
 ) -> list[Any]:
     """The tables by root of elements, with those of cracks behind them; how far roots lie beside the model's is
     as where the whole element is as flexible."""
-    shapes = cracks_of(prepared, question)
-    likelihood = with_shapes(prepared, question, shapes) if len(shapes) else None
-    if likelihood is None:
-        return list(tables)
-    n, found = prepared.likelihood.n, [list(each) for each in tables]
-    betas = np.zeros((LEVELS.size, n + len(shapes)))
-    for nth, shape in enumerate(shapes.shapes):
-        step(f"cracks of element {shape.element}")
-        betas[:, n:] = 0.0
-        betas[:, n + nth] = [shape.amount(loss) for loss in -np.expm1(-LEVELS)]
-        there, log_f = np.zeros(tables[0].shape[1:], dtype=bool), np.zeros(tables[0].shape[1:])
-        for level, roots in enumerate(likelihood.roots(betas, slopes=False)):
-            roots, identity = roots.since(prepared.likelihood.error.intact)
-            slot, root = _slots(identity_of, response, roots, identity, *span)
-            there[level, slot] = True
-            log_f[level, slot] = roots.log_f[root]
-        host = prepared.numbers.index(shape.element)
-        place = log_f + tables[2][host]
-        by_own, whole = tables[3][host].copy(), there.all(axis=0)
-        by_own[:, whole] = _along_levels(place[:, whole])
-        for rows, row in zip(found, (there, place, tables[2][host], by_own), strict=True):
-            rows.append(row)
+    found = [list(each) for each in tables]
+    core, parameters = prepared.base._core, question.model.description.core_parameters
+    base = Joined(prepared.base.n_dof, core.at(parameters(prepared.factors), prepared.likelihood.factors))
+    for element in question.elements:
+        shapes = prepared.structure.cracks(element, PLACES, prepared.stiffness_factors)
+        source = prepared.responses.source(shapes.joined(base), parameters(shapes.parameters(base)), silent=True)
+        host = prepared.numbers.index(element)
+        for nth, shape in enumerate(shapes.shapes):
+            step(f"cracks of element {element}")
+            x = np.zeros((LEVELS.size, len(shapes)))
+            x[:, nth] = [shape.amount(loss) for loss in -np.expm1(-LEVELS)]
+            there, log_f = np.zeros(tables[0].shape[1:], dtype=bool), np.zeros(tables[0].shape[1:])
+            by_own = np.zeros(there.shape)
+            every = roots_at(source, x, slopes=True, threads=prepared.likelihood.threads)
+            for level, (roots, loss) in enumerate(zip(every, -np.expm1(-LEVELS), strict=True)):
+                roots, identity = roots.since(prepared.likelihood.error.intact)
+                slot, root = _slots(identity_of, response, roots, identity, *span)
+                there[level, slot] = True
+                log_f[level, slot] = roots.log_f[root]
+                by_own[level, slot] = roots.slopes[root, nth] * (1.0 - loss) * shape.size / (loss + (1.0 - loss) * shape.size) ** 2
+            beside, whole = tables[2][host], there.all(axis=0)
+            by_own[:, whole] += _along_levels(beside[:, whole])
+            for rows, row in zip(found, (there, log_f + beside, beside, by_own), strict=True):
+                rows.append(row)
     return [np.array(each) for each in found]
 
 
@@ -457,7 +459,7 @@ _JOINED = (0, 10, 3)  # so many elements join a set of one and of two in the lin
 _RESTS, _LOOKS, _SURE_RESTS = 0.06, 2, 1e-2
 _CLOSE, _LAST = 0.4, 2  # sets within this of the likeliest are judged at the end, so many
 #: Elements this near to the likeliest set (log probability), and so many, may be cracked instead; looks at each.
-_NEAR_CRACKS, _MOST_CRACKED, _CRACK_LOOKS = 10.0, 6, 3
+_NEAR_CRACKS, _MOST_CRACKED, _CRACK_LOOKS, _CRACK_STEP = 10.0, 6, 4, 0.3
 
 
 @dataclass
@@ -486,33 +488,51 @@ class QuickSearch(Search):
 
     def _crack(self) -> None:
         """Judge cracks of single elements as the tables have them, beside the whole element as it was judged."""
-        plan, test = self.likelihood.plan, self.likelihood.test
+        plan, n = self.likelihood.plan, self.likelihood.n
         known = self._weights() | {s: rough[0] + self.log_prior(s) for s, rough in self.rough.items()}
         least = max(known.values()) - _NEAR_CRACKS
-        singles = sorted((s for s in known if len(s) == 1 and not self.outside(s)), key=lambda s: -known[s])
-        for s in singles[:_MOST_CRACKED]:
-            own = [k for k, host in enumerate(plan.hosts) if (host,) == s]
-            if known[s] < least or not own:
+        singles = (s for s, weight in known.items() if len(s) == 1 and not self.outside(s) and weight > least)
+        near = sorted(singles, key=lambda s: -known[s])[:_MOST_CRACKED]
+        starts = {(n + k,): self._u((host,)) for k, host in enumerate(plan.hosts) if (host,) in near}
+        fits = self._cracked(starts)
+        for s in near:
+            own = [fit for (c,), fit in fits.items() if (plan.hosts[c - n],) == s]
+            if not own:
                 continue
-            u = self._u(s).tolist()
-            ((*_, whole, _),) = test.settle([(list(s), u)], 1, _RESTS)
-            more = self.fits[s].log_evidence - whole if s in self.judged else 0.0
-            asked = [([self.likelihood.n + k], u) for k in own]
-            places = []
-            for k, found in zip(own, test.settle(asked, _CRACK_LOOKS, _RESTS), strict=True):
-                shape, best = plan.cracks.shapes[k], min(found[1][0], FURTHEST)
-                loss, mean, variance = -np.expm1(-best), np.array(found[2]), np.array(found[3]).reshape(1, 1)
-                # All amounts of a crack are equally probable, not all losses that are as flexible.
-                dense = np.log(shape.size) - 2.0 * np.log(loss + (1.0 - loss) * shape.size)
-                places.append((shape._replace(size=1.0), Fit((self.likelihood.n + k,), found[4] + more + dense, np.array([loss]), mean, variance, None)))
-            k = int(np.argmax([fit.log_evidence for _, fit in places]))
-            shape, fit = places[k]
-            (beta,) = self.likelihood.rows(s, fit.beta[None])
-            view = self.likelihood._view(beta, test.look(list(fit.elements), [float(fit.u[0])]))
-            places[k] = (shape, replace(fit, view=view))
+            more = 0.0
+            if s in self.judged:
+                ((*_, whole, _),) = self.likelihood.test.settle([(list(s), self._u(s).tolist())], 1, 0.0)
+                more = self.fits[s].log_evidence - whole
+            k = int(np.argmax([fit.log_evidence for fit in own]))
+            (beta,) = self.likelihood.rows(s, own[k].beta[None])
+            view = self.likelihood._view(beta, self.likelihood.test.look(list(own[k].elements), own[k].u.tolist()))
+            own[k] = replace(own[k], view=view)
+            shapes = [plan.cracks.shapes[fit.elements[0] - n] for fit in own]
+            places = [(shape._replace(size=1.0), fit) for shape, fit in zip(shapes, own, strict=True)]
             total, reach, losses = Crack(places).over_places()
             rows = [(float(each),) for each in losses]
-            self.shaped.cracked[s] = Shaped("crack", shape.told(reach), total, view, *rows)
+            self.shaped.cracked[s] = Shaped("crack", shapes[k].told(reach), total + more, view, *rows)
+
+    def _cracked(self, starts: dict[Elements, FloatArray]) -> dict[Elements, Fit]:
+        """Cracks at their most probable amounts, as the tables have them; severities are of whole elements."""
+        found: dict[Elements, Fit] = {}
+        ahead, n = dict(starts), self.likelihood.n
+        for _ in range(_CRACK_LOOKS):
+            asked = [(list(s), u.tolist()) for s, u in ahead.items()]
+            for s, seen in zip(ahead, self.likelihood.test.settle(asked, 1, 0.0), strict=True):
+                u, best, size = np.array(seen[0]), np.minimum(seen[1], FURTHEST), len(s)
+                # All amounts of a crack are equally probable, not all losses that are as flexible.
+                sizes = np.array([self.likelihood.plan.cracks.shapes[c - n].size if c >= n else 1.0 for c in s])
+                dense = np.log(sizes) - 2.0 * np.log(1.0 - np.exp(-best) * (1.0 - sizes))
+                log_evidence = seen[4] + float(dense.sum())
+                near = np.abs(best - u).max() <= LINEAR
+                if near and (s not in found or log_evidence > found[s].log_evidence):
+                    covariance = np.array(seen[3]).reshape(size, size)
+                    found[s] = Fit(s, log_evidence, -np.expm1(-best), np.array(seen[2]), covariance, self.likelihood.start)
+                    ahead[s] = best
+                else:
+                    ahead[s] = u + np.clip(best - u, -_CRACK_STEP, _CRACK_STEP) if s not in found else 0.5 * (u + found[s].u)
+        return found
 
     def _pairs(self) -> dict[Elements, FloatArray]:
         """Too many for a quick search."""
