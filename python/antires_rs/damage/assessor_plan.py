@@ -34,7 +34,7 @@ from .likelihood import (
     rows_of,
 )
 from .shape_search import Crack
-from .shapes import PLACES, Joined, Shaped, Shapes
+from .shapes import CRACKED, PLACES, Joined, Shaped, Shapes
 from .measured_states import Column, Responses, Roots, Values, note_of_same_data, roots_at, same_data, values_of
 
 # -- The model's antiresonances over the severity of each element, computed once
@@ -458,8 +458,12 @@ _JOINED = (0, 10, 3)  # so many elements join a set of one and of two in the lin
 #: the same for those of the answer.
 _RESTS, _LOOKS, _SURE_RESTS = 0.06, 2, 1e-2
 _CLOSE, _LAST = 0.4, 2  # sets within this of the likeliest are judged at the end, so many
-#: Elements this near to the likeliest set (log probability), and so many, may be cracked instead; looks at each.
-_NEAR_CRACKS, _MOST_CRACKED, _CRACK_LOOKS, _CRACK_STEP = 10.0, 6, 4, 0.3
+#: Elements so near to the likeliest set (log probability), and so many, may be cracked instead; cracks so far
+#: behind it do not count. Steps by the nearest values, after which those so far behind are left out; looks, and
+#: the longest step (u).
+_NEAR_CRACKS, _MOST_CRACKED, _LEAST_CRACK = 10.0, 6, 5.0
+_CRACK_STEPS, _CRACK_HOPELESS, _CRACK_LOOKS, _CRACK_STEP = 3, 12.0, 4, 0.3
+_CRACK_PRIOR = float(np.log(CRACKED))
 
 
 @dataclass
@@ -490,20 +494,19 @@ class QuickSearch(Search):
         """Judge cracks of single elements as the tables have them, beside the whole element as it was judged."""
         plan, n = self.likelihood.plan, self.likelihood.n
         known = self._weights() | {s: rough[0] + self.log_prior(s) for s, rough in self.rough.items()}
-        least = max(known.values()) - _NEAR_CRACKS
-        singles = (s for s, weight in known.items() if len(s) == 1 and not self.outside(s) and weight > least)
+        top = max(known.values())
+        singles = (s for s in known if len(s) == 1 and not self.outside(s) and known[s] > top - _NEAR_CRACKS)
         near = sorted(singles, key=lambda s: -known[s])[:_MOST_CRACKED]
-        starts = {(n + k,): self._u((host,)) for k, host in enumerate(plan.hosts) if (host,) in near}
-        fits = self._cracked(starts)
+        fits = self._cracked([(n + k, host) for k, host in enumerate(plan.hosts) if (host,) in near], top)
         for s in near:
             own = [fit for (c,), fit in fits.items() if (plan.hosts[c - n],) == s]
-            if not own:
+            k = int(np.argmax([fit.log_evidence for fit in own])) if own else 0
+            if not own or own[k].log_evidence + _CRACK_PRIOR + self.log_prior(s) < top - _LEAST_CRACK:
                 continue
             more = 0.0
             if s in self.judged:
                 ((*_, whole, _),) = self.likelihood.test.settle([(list(s), self._u(s).tolist())], 1, 0.0)
                 more = self.fits[s].log_evidence - whole
-            k = int(np.argmax([fit.log_evidence for fit in own]))
             (beta,) = self.likelihood.rows(s, own[k].beta[None])
             view = self.likelihood._view(beta, self.likelihood.test.look(list(own[k].elements), own[k].u.tolist()))
             own[k] = replace(own[k], view=view)
@@ -513,25 +516,32 @@ class QuickSearch(Search):
             rows = [(float(each),) for each in losses]
             self.shaped.cracked[s] = Shaped("crack", shapes[k].told(reach), total + more, view, *rows)
 
-    def _cracked(self, starts: dict[Elements, FloatArray]) -> dict[Elements, Fit]:
-        """Cracks at their most probable amounts, as the tables have them; severities are of whole elements."""
+    def _cracked(self, asked: list[tuple[int, int]], top: float) -> dict[Elements, Fit]:
+        """Cracks, by number and element, at their most probable amounts, as the tables have them; severities are
+        of whole elements. Those that cannot count beside the ``top`` (log probability) are left out."""
         found: dict[Elements, Fit] = {}
-        ahead, n = dict(starts), self.likelihood.n
+        test, n = self.likelihood.test, self.likelihood.n
+        starts = test.refine([([c], self._u((host,)).tolist()) for c, host in asked], _CRACK_STEPS)
+        least = min((left for _, left in starts), default=0.0) + _CRACK_HOPELESS
+        ahead = {(c,): np.array(u) for (c, _), (u, left) in zip(asked, starts, strict=True) if left < least}
         for _ in range(_CRACK_LOOKS):
-            asked = [(list(s), u.tolist()) for s, u in ahead.items()]
-            for s, seen in zip(ahead, self.likelihood.test.settle(asked, 1, 0.0), strict=True):
-                u, best, size = np.array(seen[0]), np.minimum(seen[1], FURTHEST), len(s)
+            again: dict[Elements, FloatArray] = {}
+            lists = [(list(s), u.tolist()) for s, u in ahead.items()]
+            for (s, u), seen in zip(ahead.items(), test.settle(lists, 1, 0.0), strict=True):
+                best, size = np.minimum(seen[1], FURTHEST), self.likelihood.plan.cracks.shapes[s[0] - n].size
                 # All amounts of a crack are equally probable, not all losses that are as flexible.
-                sizes = np.array([self.likelihood.plan.cracks.shapes[c - n].size if c >= n else 1.0 for c in s])
-                dense = np.log(sizes) - 2.0 * np.log(1.0 - np.exp(-best) * (1.0 - sizes))
-                log_evidence = seen[4] + float(dense.sum())
-                near = np.abs(best - u).max() <= LINEAR
-                if near and (s not in found or log_evidence > found[s].log_evidence):
-                    covariance = np.array(seen[3]).reshape(size, size)
+                dense = np.log(size) - 2.0 * np.log(1.0 - np.exp(-best[0]) * (1.0 - size))
+                log_evidence, step_by = seen[4] + float(dense), float(np.abs(best - u).max())
+                known = found.get(s)
+                if step_by <= LINEAR and (known is None or log_evidence > known.log_evidence):
+                    covariance = np.array(seen[3]).reshape(1, 1)
                     found[s] = Fit(s, log_evidence, -np.expm1(-best), np.array(seen[2]), covariance, self.likelihood.start)
-                    ahead[s] = best
+                    behind = log_evidence + _CRACK_PRIOR + self.log_prior((0,)) < top - _LEAST_CRACK
+                    if step_by > _RESTS and not behind:
+                        again[s] = best
                 else:
-                    ahead[s] = u + np.clip(best - u, -_CRACK_STEP, _CRACK_STEP) if s not in found else 0.5 * (u + found[s].u)
+                    again[s] = u + np.clip(best - u, -_CRACK_STEP, _CRACK_STEP) if known is None else 0.5 * (u + known.u)
+            ahead = again
         return found
 
     def _pairs(self) -> dict[Elements, FloatArray]:
