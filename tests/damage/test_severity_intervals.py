@@ -9,8 +9,7 @@ from scipy.integrate import quad
 from scipy.stats import kstest
 
 import antires_rs as ar
-from antires_rs.damage.evidence import HIGHEST, refitted
-from antires_rs.damage.inference import log_odds_threshold
+from antires_rs.damage.inference import HIGHEST, log_odds_threshold, refitted
 from antires_rs.damage.severity_intervals import sampled
 from tests.support.campaign import some_of
 from tests.support.wrong_chains import N, assessed

@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import comb
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,8 +25,7 @@ from ..support.options import gathered
 from ..support.progress import one_blas_thread, patient, waiting
 from ..support.values import FrozenDict, ReadOnly
 from ..updating.identifiability import smallest_visible
-from ..updating.model_check import Explained, explained
-from ..updating.problem import DamagePenalty, Measured, UpdatingProblem
+from ..updating.problem import DamagePenalty, Explained, Measured, UpdatingProblem, explained
 from ..updating.reduced_model import ReductionReport
 from ..updating.result import UpdateResult
 from ..updating.targets import sets_of
@@ -33,8 +33,8 @@ from ..updating.update import search as find
 from ..views import Viewed
 from .assessor_plan import Plan, QuickSearch, TabulatedLikelihood, plan_of, read
 from .hypotheses import Answered, Assessment, figure
-from .inference import Search, common_loss, concluded, confirmed, learned_from
-from .likelihood import Prepared, Question
+from .inference import BLIND, FURTHEST, HIGHEST, Search, concluded, confirmed, learned_from
+from .likelihood import Likelihood, Prepared, Question
 from .measured_states import ASSUMED_STD, unfit
 from .options import ONE_STATE, TWO_STATES, DamagePrior, SearchOptions, checked_prior
 from .severity_intervals import severity_intervals, severity_profile
@@ -348,6 +348,63 @@ class DamageResult(Answered, UpdateResult):
     def plot(self, ax: Any = None, truth: Mapping[int, float] | None = None) -> Any:
         """Damage bar chart; see :func:`antires_rs.figures.plot_damage`."""
         return self._view("plot")(self, ax=ax, truth=truth)
+
+
+# -- Without a baseline: is one factor on all stiffnesses more probable than the losses of many elements?
+#
+# A modulus or a unit that is wrong throughout comes out as a loss of nearly every element. Both are judged by
+# the same likelihood and Laplace's approximation: the one factor with every loss equally probable, on the
+# candidates or on all elements; the set of elements with the prior of their number.
+
+#: Steps to the most probable factor, the largest of them, and one that ends them, in u.
+_MOST_STEPS, _LONGEST_STEP, _RESTS = 10, 0.3, 1e-4
+_RARER = 6.0  # sets beyond the three elements of the prior: so many times less probable for each element more
+
+
+def common_loss(question: Question, losses: dict[int, float], threads: int) -> float:
+    """The loss of all stiffnesses that is more probable than these of single ones and than none, else 0."""
+    prior, numbers, k, n = question.prior, question.numbers, len(losses), len(question.elements)
+    if k < max(2.0, n / 3.0):
+        return 0.0
+    likelihood = question.prepared(threads).likelihood
+    u = np.zeros(likelihood.n)
+    for element, loss in losses.items():
+        u[numbers.index(element)] = -np.log1p(-min(loss, HIGHEST))
+    each = np.eye(likelihood.n)[u > 0.0]
+    share = (prior.nothing, prior.one, prior.two, prior.three)[min(k, 3)]
+    of_set = np.log(share) - max(k - 3, 0) * np.log(_RARER) - np.log(comb(n, k))
+    of_losses = _along(likelihood, each, u[u > 0.0])[1] + of_set
+    start = np.array([np.median(u[u > 0.0])])
+    families = [np.arange(likelihood.n) < n, np.ones(likelihood.n, dtype=bool)]
+    found = [_along(likelihood, family[None].astype(np.float64), start) for family in families]
+    at, of_factor = max(found, key=lambda one: one[1])
+    of_nothing = likelihood.start.log_likelihood + np.log(prior.nothing)
+    if of_factor + np.log(prior.unknown) <= max(of_losses, of_nothing):
+        return 0.0
+    return -float(np.expm1(-at[0]))
+
+
+def _along(likelihood: Likelihood, ways: FloatArray, start: FloatArray) -> tuple[FloatArray, float]:
+    """Most probable severities (u) along some ways (k, n), and the log evidence, at least, without bounds."""
+    u, size = start, float(np.log(HIGHEST))
+    best, most = start, -np.inf
+    for _ in range(_MOST_STEPS):
+        beta = -np.expm1(-u @ ways)
+        view = likelihood.views(beta[None])[0]
+        by_u = ways * (1.0 - beta)
+        gain = by_u @ view.gain - 1.0
+        matrix = by_u @ view.curvature @ by_u.T + BLIND * np.eye(u.size)
+        step_by = np.linalg.solve(matrix, gain)
+        volume = 0.5 * (u.size * np.log(2.0 * np.pi) - np.linalg.slogdet(matrix)[1])
+        log_evidence = (
+            view.log_likelihood + 0.5 * float(gain @ step_by) + float(volume) - u.size * size - u.sum()
+        )
+        if log_evidence > most:
+            best, most = u, float(log_evidence)
+        u = np.clip(u + np.clip(step_by, -_LONGEST_STEP, _LONGEST_STEP), 0.0, FURTHEST)
+        if np.abs(step_by).max() < _RESTS:
+            break
+    return best, most
 
 
 # -- The call

@@ -5,10 +5,10 @@ Sets are found in the tables; those that may be the answer are judged by the lik
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from itertools import islice
+from itertools import groupby, islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,8 +20,21 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.targets import Series, sorted_out, usual_damping, zeros_beside
-from .evidence import BLIND, FURTHEST, HIGHEST, LINEAR, Fit, refitted
-from .inference import HARDLY, LARGEST, Elements, Learned, Search, intact_slopes, learned_from
+from .inference import (
+    BLIND,
+    FURTHEST,
+    HARDLY,
+    HIGHEST,
+    LARGEST,
+    LINEAR,
+    Elements,
+    Fit,
+    Learned,
+    Search,
+    intact_slopes,
+    learned_from,
+    refitted,
+)
 from .likelihood import (
     ALIKE_STD,
     MANY,
@@ -33,9 +46,18 @@ from .likelihood import (
     View,
     rows_of,
 )
+from .measured_states import (
+    Column,
+    Responses,
+    Roots,
+    Values,
+    note_of_same_data,
+    roots_at,
+    same_data,
+    values_of,
+)
 from .shape_search import Crack
-from .shapes import CRACKED, PLACES, Joined, Shaped, Shapes
-from .measured_states import Column, Responses, Roots, Values, note_of_same_data, roots_at, same_data, values_of
+from .shapes import CRACKED, PLACES, Joined, Shape, Shaped, joined, parameters_of
 
 # -- The model's antiresonances over the severity of each element, computed once
 
@@ -52,8 +74,8 @@ Single = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Tables:
-    """Roots (r,), ascending by response, at levels (l,) of u of each element (n,), and of cracks behind them, at
-    levels of the loss of a whole element that is as flexible: (k,) in all."""
+    """Roots (r,), ascending by response, at levels (l,) of u of each element (n,), and of cracks behind them,
+    at levels of the loss of a whole element that is as flexible: (k,) in all."""
 
     response: NDArray[np.intp]
     seen: NDArray[np.bool_]  # by the baseline, (r,)
@@ -103,9 +125,14 @@ def tables_of(prepared: Prepared, question: Question) -> Tables:
         rows[e, level, slot] = np.hstack([by_errors @ factor, by_theta @ ambient])
     by_own = slopes[np.arange(n), :, :, np.arange(n)].astype(np.float64)
     for e in range(n):
-        whole = there[e].all(axis=0)
-        by_own[e][:, whole] += _along_levels(beside[e][:, whole])
-    there, place, beside, by_own = _with_cracks(prepared, question, identity_of, response, (low, high), there, log_f + beside, beside, by_own)
+        always = there[e].all(axis=0)
+        by_own[e][:, always] += _along_levels(beside[e][:, always])
+
+    def slots(roots: Roots) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        return _slots(identity_of, response, *roots.since(intact), low, high)
+
+    whole = there, log_f + beside, beside, by_own
+    there, place, beside, by_own = _with_cracks(prepared, question, slots, whole)
     # The same products of rows in fewer columns.
     flat = rows.reshape(-1, n_errors)
     sizes, vectors = np.linalg.eigh(flat.T @ flat)
@@ -125,45 +152,46 @@ def _along_levels(values: FloatArray) -> FloatArray:
     return np.asarray(CubicSpline(LEVELS, values)(LEVELS, 1)) if values.size else values
 
 
-def cracks_of(prepared: Prepared, question: Question) -> Shapes:
+def cracks_of(prepared: Prepared, question: Question) -> list[Shape]:
     """Those that a full run looks at in the candidates."""
-    each = [prepared.structure.cracks(e, PLACES, prepared.stiffness_factors) for e in question.elements]
-    return Shapes(sum((one.shapes for one in each), ()), sum((one.terms for one in each), ()))
+    cracks, factor = prepared.structure.cracks, prepared.stiffness_factors
+    return [shape for element in question.elements for shape in cracks(element, PLACES, factor)]
 
 
 def _with_cracks(
     prepared: Prepared,
     question: Question,
-    identity_of: NDArray[np.intp],
-    response: NDArray[np.intp],
-    span: tuple[float, float],
-    *tables: Any,
+    slots: Callable[[Roots], tuple[NDArray[np.intp], NDArray[np.intp]]],
+    tables: tuple[NDArray[np.bool_], FloatArray, FloatArray, FloatArray],
 ) -> list[Any]:
-    """The tables by root of elements, with those of cracks behind them; how far roots lie beside the model's is
-    as where the whole element is as flexible."""
-    found = [list(each) for each in tables]
-    core, parameters = prepared.base._core, question.model.description.core_parameters
-    base = Joined(prepared.base.n_dof, core.at(parameters(prepared.factors), prepared.likelihood.factors))
-    for element in question.elements:
-        shapes = prepared.structure.cracks(element, PLACES, prepared.stiffness_factors)
-        source = prepared.responses.source(shapes.joined(base), parameters(shapes.parameters(base)), silent=True)
-        host = prepared.numbers.index(element)
-        for nth, shape in enumerate(shapes.shapes):
-            step(f"cracks of element {element}")
-            x = np.zeros((LEVELS.size, len(shapes)))
-            x[:, nth] = [shape.amount(loss) for loss in -np.expm1(-LEVELS)]
-            there, log_f = np.zeros(tables[0].shape[1:], dtype=bool), np.zeros(tables[0].shape[1:])
-            by_own = np.zeros(there.shape)
+    """Tables of what is there, places, how far beside the model's, and slopes, with rows of cracks behind
+    those of elements; roots lie beside the model's as where the whole element is as flexible."""
+    parameters, found = question.model.description.core_parameters, [list(each) for each in tables]
+    factors = parameters(prepared.factors), prepared.likelihood.factors
+    responses: Any = prepared.responses
+    base = Joined(prepared.base.n_dof, prepared.base._core.at(*factors))
+    loss = -np.expm1(-LEVELS)
+    for element, cracks in groupby(cracks_of(prepared, question), key=lambda shape: shape.element):
+        step(f"cracks of element {element}")
+        own = list(cracks)
+        source = prepared.responses.source(
+            joined(base, own), parameters(parameters_of(base, own)), silent=True
+        )
+        beside = tables[2][prepared.numbers.index(element)]
+        for nth, shape in enumerate(own):
+            x = np.zeros((LEVELS.size, len(own)))
+            x[:, nth] = shape.amount(loss)
+            by_u = (1.0 - loss) * shape.size / (loss + (1.0 - loss) * shape.size) ** 2
+            there, place, by_own = np.zeros(beside.shape, dtype=bool), beside.copy(), np.zeros(beside.shape)
             every = roots_at(source, x, slopes=True, threads=prepared.likelihood.threads)
-            for level, (roots, loss) in enumerate(zip(every, -np.expm1(-LEVELS), strict=True)):
-                roots, identity = roots.since(prepared.likelihood.error.intact)
-                slot, root = _slots(identity_of, response, roots, identity, *span)
+            for level, roots in enumerate(every):
+                slot, root = slots(roots)
                 there[level, slot] = True
-                log_f[level, slot] = roots.log_f[root]
-                by_own[level, slot] = roots.slopes[root, nth] * (1.0 - loss) * shape.size / (loss + (1.0 - loss) * shape.size) ** 2
-            beside, whole = tables[2][host], there.all(axis=0)
+                place[level, slot] += roots.log_f[root]
+                by_own[level, slot] = roots.slopes[root, nth] * by_u[level]
+            whole = there.all(axis=0)
             by_own[:, whole] += _along_levels(beside[:, whole])
-            for rows, row in zip(found, (there, log_f + beside, beside, by_own), strict=True):
+            for rows, row in zip(found, (there, place, beside, by_own), strict=True):
                 rows.append(row)
     return [np.array(each) for each in found]
 
@@ -309,15 +337,15 @@ class Plan:
         )  # fmt: skip
 
     @cached_property
-    def cracks(self) -> Shapes:
+    def cracks(self) -> list[Shape]:
         """Those in the tables, in their order."""
         asked = len(self.tables.place) > len(self.question.numbers)
-        return cracks_of(self.prepared, self.question) if asked else Shapes((), ())
+        return cracks_of(self.prepared, self.question) if asked else []
 
     @cached_property
     def hosts(self) -> list[int]:
         """The element of each."""
-        return [self.question.numbers.index(shape.element) for shape in self.cracks.shapes]
+        return [self.question.numbers.index(shape.element) for shape in self.cracks]
 
     @cached_property
     def alike(self) -> list[list[tuple[int, float]]]:
@@ -375,7 +403,9 @@ class Plan:
 def plan_of(question: Question, rng: np.random.Generator, threads: int) -> Plan:
     """Learn from the baseline and compute the tables."""
     prepared = question.prepared(threads, silent=True)
-    return Plan(question, tables_of(prepared, question), learned_from(prepared, question, rng, question.hint()))
+    return Plan(
+        question, tables_of(prepared, question), learned_from(prepared, question, rng, question.hint())
+    )
 
 
 # -- The search of :mod:`~antires_rs.damage.inference` with antiresonances from tables, for one test
@@ -459,9 +489,9 @@ _JOINED = (0, 10, 3)  # so many elements join a set of one and of two in the lin
 _RESTS, _LOOKS, _SURE_RESTS = 0.06, 2, 1e-2
 _CLOSE, _LAST = 0.4, 2  # sets within this of the likeliest are judged at the end, so many
 #: Elements so near to the likeliest set (log probability), and so many, may be cracked instead; cracks so far
-#: behind it do not count. Steps by the nearest values, after which those so far behind are left out; looks, and
-#: the longest step (u).
-_NEAR_CRACKS, _MOST_CRACKED, _LEAST_CRACK = 10.0, 6, 5.0
+#: behind it do not count. Steps by the nearest values, after which those so far behind are left out; looks,
+#: and the longest step (u).
+_NEAR_CRACKS, _MOST_CRACKED, _LEAST_CRACK = 10.0, 6, 4.0
 _CRACK_STEPS, _CRACK_HOPELESS, _CRACK_LOOKS, _CRACK_STEP = 3, 12.0, 4, 0.3
 _CRACK_PRIOR = float(np.log(CRACKED))
 
@@ -491,7 +521,7 @@ class QuickSearch(Search):
             self._crack()
 
     def _crack(self) -> None:
-        """Judge cracks of single elements as the tables have them, beside the whole element as it was judged."""
+        """Judge cracks of single elements by the tables, beside the whole element as it was judged."""
         plan, n = self.likelihood.plan, self.likelihood.n
         known = self._weights() | {s: rough[0] + self.log_prior(s) for s, rough in self.rough.items()}
         top = max(known.values())
@@ -508,39 +538,54 @@ class QuickSearch(Search):
                 ((*_, whole, _),) = self.likelihood.test.settle([(list(s), self._u(s).tolist())], 1, 0.0)
                 more = self.fits[s].log_evidence - whole
             (beta,) = self.likelihood.rows(s, own[k].beta[None])
-            view = self.likelihood._view(beta, self.likelihood.test.look(list(own[k].elements), own[k].u.tolist()))
+            view = self.likelihood._view(
+                beta, self.likelihood.test.look(list(own[k].elements), own[k].u.tolist())
+            )
             own[k] = replace(own[k], view=view)
-            shapes = [plan.cracks.shapes[fit.elements[0] - n] for fit in own]
-            places = [(shape._replace(size=1.0), fit) for shape, fit in zip(shapes, own, strict=True)]
+            shapes = [plan.cracks[fit.elements[0] - n] for fit in own]
+            places = [(replace(shape, size=1.0), fit) for shape, fit in zip(shapes, own, strict=True)]
             total, reach, losses = Crack(places).over_places()
             rows = [(float(each),) for each in losses]
             self.shaped.cracked[s] = Shaped("crack", shapes[k].told(reach), total + more, view, *rows)
 
     def _cracked(self, asked: list[tuple[int, int]], top: float) -> dict[Elements, Fit]:
-        """Cracks, by number and element, at their most probable amounts, as the tables have them; severities are
-        of whole elements. Those that cannot count beside the ``top`` (log probability) are left out."""
+        """Cracks, by number and element, at their most probable amounts, by the tables; severities are of
+        whole elements. Those that cannot count beside the ``top`` (log probability) are left out."""
         found: dict[Elements, Fit] = {}
         test, n = self.likelihood.test, self.likelihood.n
         starts = test.refine([([c], self._u((host,)).tolist()) for c, host in asked], _CRACK_STEPS)
         least = min((left for _, left in starts), default=0.0) + _CRACK_HOPELESS
-        ahead = {(c,): np.array(u) for (c, _), (u, left) in zip(asked, starts, strict=True) if left < least}
+        ahead: dict[Elements, FloatArray] = {
+            (c,): np.array(u) for (c, _), (u, left) in zip(asked, starts, strict=True) if left < least
+        }
         for _ in range(_CRACK_LOOKS):
             again: dict[Elements, FloatArray] = {}
             lists = [(list(s), u.tolist()) for s, u in ahead.items()]
             for (s, u), seen in zip(ahead.items(), test.settle(lists, 1, 0.0), strict=True):
-                best, size = np.minimum(seen[1], FURTHEST), self.likelihood.plan.cracks.shapes[s[0] - n].size
+                best, size = np.minimum(seen[1], FURTHEST), self.likelihood.plan.cracks[s[0] - n].size
                 # All amounts of a crack are equally probable, not all losses that are as flexible.
                 dense = np.log(size) - 2.0 * np.log(1.0 - np.exp(-best[0]) * (1.0 - size))
                 log_evidence, step_by = seen[4] + float(dense), float(np.abs(best - u).max())
                 known = found.get(s)
                 if step_by <= LINEAR and (known is None or log_evidence > known.log_evidence):
                     covariance = np.array(seen[3]).reshape(1, 1)
-                    found[s] = Fit(s, log_evidence, -np.expm1(-best), np.array(seen[2]), covariance, self.likelihood.start)
+                    found[s] = Fit(
+                        s,
+                        log_evidence,
+                        -np.expm1(-best),
+                        np.array(seen[2]),
+                        covariance,
+                        self.likelihood.start,
+                    )
                     behind = log_evidence + _CRACK_PRIOR + self.log_prior((0,)) < top - _LEAST_CRACK
                     if step_by > _RESTS and not behind:
                         again[s] = best
                 else:
-                    again[s] = u + np.clip(best - u, -_CRACK_STEP, _CRACK_STEP) if known is None else 0.5 * (u + known.u)
+                    again[s] = (
+                        u + np.clip(best - u, -_CRACK_STEP, _CRACK_STEP)
+                        if known is None
+                        else 0.5 * (u + known.u)
+                    )
             ahead = again
         return found
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..support.checks import FloatArray
 from ..support.values import Value
-from ..updating.model_check import few_alone, mostly_paired
+from ..updating.problem import few_alone, mostly_paired
 from ..views import Viewed
 
 # -- Probabilities and intervals in percent, as they are printed
@@ -333,7 +333,7 @@ def without_idle(found: Assessment) -> Assessment:
     first, declared = of[_what(rows[0])], of.get((found.declared,))
     ordered = sorted(summed.values(), key=lambda one: (one is not first, -one.probability, one.elements))
     group = tuple([*dict.fromkeys(of[_what(one)] for one in found.group)] or together(ordered))
-    named = Hypotheses(ordered, found.hypotheses.names)
+    named = Hypotheses(ordered, found.hypotheses._names)
     kept = found.declared if declared is None else declared.elements
     return replace(found, hypotheses=named, group=group, declared=kept)
 

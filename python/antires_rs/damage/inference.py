@@ -1,29 +1,250 @@
-"""From two measured states to an :class:`Assessment`: sets of damaged elements searched and weighed."""
+"""From two measured states to an :class:`Assessment`: sets of damaged elements weighed and searched."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import combinations, product
-from math import comb
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..exceptions import reject
 from ..support.checks import FloatArray
 from ..support.progress import step
-from ..updating.model_check import Pairs, hint_between_states, roots_between
-from ..updating.posterior import log_between
+from ..updating.posterior import between, log_between
+from ..updating.problem import Pairs, hint_between_states, roots_between
 from ..updating.reduced_model import ReductionReport
-from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, refitted
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together, without_idle
 from .likelihood import BOUNDS, ERRORS, Likelihood, Prepared, Question, ValueLikelihood, View
 from .measured_states import Values, mostly_risen, roots_at
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import TOLERANCE, ReducedRoots
 from .shapes import CRACKED, Found, Shaped
+
+# -- The evidence of a set of damaged elements, from one view of the values
+#
+# In u = -ln(1 - beta) the density is p(ln f | u) exp(-sum u). About a point ln f is linear in u, so that the
+# integral over the box is that of a Gaussian with bounds; it is formed only where the most probable
+# severities are near enough to that point.
+
+#: Largest severity, and the same as u: Gaussians of u are those of what lies in the box [0, FURTHEST]^n.
+HIGHEST = 0.99
+FURTHEST = -float(np.log1p(-HIGHEST))
+
+# -- Gaussians within bounds: where in the box the peak is
+
+
+def peak_in_box(mean: FloatArray, covariance: FloatArray) -> FloatArray:
+    """Most probable points (k, n) of Gaussians in the box."""
+    best, spread, free = mean.copy(), covariance.copy(), np.ones(mean.shape, dtype=bool)
+    for _ in range(mean.shape[1]):
+        sd = np.sqrt(np.diagonal(spread, axis1=1, axis2=2))
+        below, above = -best / sd, (best - FURTHEST) / sd
+        outside = np.where(free, np.maximum(below, above), -np.inf)
+        worst = np.argmax(outside, axis=1)
+        row = np.flatnonzero(outside[np.arange(worst.size), worst] > 0.0)
+        if not row.size:
+            break
+        at = worst[row]
+        gain = spread[row, :, at] / spread[row, at, at][:, None]
+        bound = np.where(below[row, at] > above[row, at], 0.0, FURTHEST)
+        best[row] += gain * (bound - best[row, at])[:, None]
+        spread[row] -= gain[:, :, None] * spread[row, at][:, None, :]
+        free[row, at], spread[row, at, at] = False, 1.0
+    return best
+
+
+# -- Gaussians of which only a box is left: their probability, densities, and draws
+#
+# One coordinate after the other, those with the least room first, each given those before: within its limits
+# it is a normal one; the product of the conditional probabilities, averaged over draws, is the probability of
+# the box (A. Genz, J. Comput. Graph. Stat. 1 (1992) 141-149).
+
+_POINTS = 16  # points of the rule of quadrature along each coordinate but the last
+_FAR = 5.0  # coordinates so many standard deviations from both bounds do not count
+_HALF_LOG_TAU = 0.5 * float(np.log(2.0 * np.pi))
+
+
+@dataclass(frozen=True)
+class Truncated:
+    """Gaussians within the box: mean (..., n), Cholesky factor, both in the order of ``order``."""
+
+    mean: FloatArray
+    factor: FloatArray
+    order: NDArray[np.intp]
+
+    def draws(self, uniform: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Points (k, n) of uniform numbers (k, n), and ln of the weights that make them one Gaussian's."""
+        z, log_weight = self.transformed(uniform)
+        found = np.empty_like(z)
+        found[:, self.order] = np.clip(self.mean + z @ self.factor.T, 0.0, FURTHEST)
+        return found, log_weight
+
+    def log_density(self, points: FloatArray) -> FloatArray:
+        """Of the points of :meth:`draws` without their weights, anywhere in the box; (k,)."""
+        apart = points[:, self.order] - self.mean
+        z = np.asarray(np.linalg.solve(self.factor, apart.T).T, dtype=np.float64)
+        total = np.zeros(len(points))
+        for i in range(self.mean.size):
+            below, above = self._limits(z, i)
+            total -= 0.5 * z[:, i] ** 2 + _HALF_LOG_TAU + np.log(self.factor[i, i])
+            total -= log_between(below, above)
+        return total
+
+    def _limits(self, z: FloatArray, i: int) -> tuple[FloatArray, FloatArray]:
+        """Limits of coordinate i in standard deviations, given those before."""
+        before = (z[..., :i] @ self.factor[..., i, :i, None])[..., 0]
+        middle, scale = self.mean[..., i, None] + before, self.factor[..., i, i, None]
+        return -middle / scale, (FURTHEST - middle) / scale
+
+    def transformed(self, uniform: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Standard normal coordinates of as many uniform numbers as there are, and ln of the product."""
+        z = np.zeros((*self.mean.shape[:-1], len(uniform), self.mean.shape[-1]))
+        total = np.zeros(z.shape[:-1])
+        for i in range(self.mean.shape[-1]):
+            below, above = self._limits(z, i)
+            total += log_between(below, above)
+            if i < uniform.shape[1]:
+                z[..., i] = between(below, above, uniform[:, i])
+        return z, total
+
+
+def truncated(mean: FloatArray, covariance: FloatArray) -> Truncated:
+    """Gaussians of mean (..., n) within the box."""
+    sd = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
+    order = np.argsort(log_between(-mean / sd, (FURTHEST - mean) / sd), axis=-1, kind="stable")
+    rows = np.take_along_axis(covariance, order[..., :, None], axis=-2)
+    factor = np.linalg.cholesky(np.take_along_axis(rows, order[..., None, :], axis=-1))
+    return Truncated(np.take_along_axis(mean, order, axis=-1), np.asarray(factor), order)
+
+
+def log_inside(mean: FloatArray, covariance: FloatArray) -> FloatArray:
+    """ln of the probability that each Gaussian of mean (k, n) gives to the box, by a fixed rule."""
+    from scipy.special import logsumexp
+
+    sd = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
+    near = np.minimum(mean, FURTHEST - mean) < _FAR * sd
+    alone = log_between(-mean / sd, (FURTHEST - mean) / sd)
+    found: FloatArray = np.where(near, alone, 0.0).sum(axis=1)
+    count = near.sum(axis=1)
+    for size in range(2, mean.shape[1] + 1):
+        row = np.flatnonzero(count == size)
+        if row.size:
+            at = np.nonzero(near[row])[1].reshape(-1, size)
+            own = covariance[row[:, None, None], at[:, :, None], at[:, None, :]]
+            points, weights = _rule(size - 1)
+            found[row] = logsumexp(
+                truncated(mean[row[:, None], at], own).transformed(points)[1], b=weights, axis=-1
+            )
+    return found
+
+
+@cache
+def _rule(n: int) -> tuple[FloatArray, FloatArray]:
+    """Points (k, n) and weights (k,) of Gauss and Legendre's rule in the unit cube."""
+    x, w = np.polynomial.legendre.leggauss(_POINTS)
+    points, weights = (np.array(list(product(each, repeat=n))) for each in (0.5 * (x + 1.0), 0.5 * w))
+    return points, weights.prod(axis=1)
+
+
+LINEAR = 0.12  # change of u up to which the roots count as linear
+_ON_BOUND = 1e-9  # so near to the largest u counts as there
+BLIND = 1e-2  # precision of u where nothing sees it
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A set of damaged elements: log evidence, most probable severities, the Gaussian of u in bounds; its
+    covariance has what the model's own error makes of a loss."""
+
+    elements: tuple[int, ...]
+    log_evidence: float
+    beta: FloatArray
+    mean: FloatArray
+    covariance: FloatArray
+    view: View
+
+    def interval(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
+        """Quantiles of one severity, given the set, as :meth:`sides` has them."""
+        _, (low, high) = self._between(nth, shares)
+        return -float(np.expm1(-low)), -float(np.expm1(-high))
+
+    def sides(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
+        """Shares between whose quantiles the likeliest severity is, else as much from the nearer bound on."""
+        return self._between(nth, shares)[0]
+
+    def _between(
+        self, nth: int, shares: tuple[float, float]
+    ) -> tuple[tuple[float, float], tuple[float, float]]:
+        """These shares and their quantiles of u."""
+        low, high = self._quantiles(nth, shares)
+        best, whole = self.u[nth], shares[1] - shares[0]
+        if best <= 0.0 or best < low:
+            shares = 0.0, whole
+        elif best > high:
+            shares = 1.0 - whole, 1.0
+        else:
+            return shares, (low, high)
+        return shares, self._quantiles(nth, shares)
+
+    @property
+    def u(self) -> FloatArray:
+        """Most probable u."""
+        return np.asarray(-np.log1p(-self.beta))
+
+    def _quantiles(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
+        """Of u; partners whose most probable severity is a bound stay on it."""
+        on_bound = (self.u <= 0.0) | (self.u >= FURTHEST - _ON_BOUND)
+        at = np.array([k for k in np.flatnonzero(on_bound) if k != nth], dtype=np.intp)
+        mean, variance = self.mean[nth], self.covariance[nth, nth]
+        if at.size:
+            gain = np.linalg.solve(self.covariance[np.ix_(at, at)], self.covariance[at, nth])
+            mean, variance = (
+                mean + gain @ (self.u[at] - self.mean[at]),
+                variance - gain @ self.covariance[at, nth],
+            )
+        std = np.sqrt(variance)
+        z = between(np.full(2, -mean / std), (FURTHEST - mean) / std, np.array(shares))
+        low, high = np.clip(mean + std * z, 0.0, FURTHEST).tolist()
+        return low, high
+
+
+def fitted(
+    view: View, sets: Sequence[tuple[int, ...]], reach: float = LINEAR, *, at_peak: bool = False
+) -> list[Fit]:
+    """Sets of one size as seen from one point; not those whose severities are too far from there, in u."""
+    at = np.array(sets, dtype=np.intp).reshape(len(sets), -1)
+    size = at.shape[1]
+    room = 1.0 - view.beta[at]
+    start = -np.log(room)
+    matrix = view.curvature[at[:, :, None], at[:, None, :]] * room[:, :, None] * room[:, None, :]
+    covariance: FloatArray = np.asarray(np.linalg.inv(matrix + BLIND * np.eye(size)), dtype=np.float64)
+    # All severities are equally probable, so that large u are less.
+    gain = np.zeros(at.shape) if at_peak else view.gain[at] * room - 1.0
+    step = (covariance @ gain[:, :, None])[:, :, 0]
+    mean = start + step
+    best = peak_in_box(mean, covariance)
+    near = np.flatnonzero(np.all(np.abs(best - start) <= reach, axis=1))
+    inside = log_inside(mean[near], covariance[near])
+    spread = np.linalg.slogdet(covariance[near])[1] - 2.0 * start[near].sum(axis=1)
+    volume = 0.5 * (size * np.log(2.0 * np.pi) + spread) - size * np.log(HIGHEST)
+    # With the error that a wrong model makes of a loss.
+    wider = covariance[near] + ((view.gain_std * best[near]) ** 2)[:, :, None] * np.eye(size)
+    evidence = view.log_likelihood + 0.5 * np.sum(gain * step, axis=1)[near] + volume + inside
+    return [
+        Fit(tuple(sets[nth]), log_evidence, -np.expm1(-best[nth]), mean[nth], wide, view)
+        for nth, log_evidence, wide in zip(near.tolist(), evidence.tolist(), wider, strict=True)
+    ]
+
+
+def refitted(view: View, elements: tuple[int, ...], *, at_peak: bool = False) -> Fit:
+    """One set, however far its severities are; ``at_peak``: where it is seen from, whatever slopes say."""
+    (fit,) = fitted(view, [elements], np.inf, at_peak=at_peak)
+    return fit
+
 
 # -- Which elements may be damaged: a beam search over sets of elements
 #
@@ -33,11 +254,6 @@ from .shapes import CRACKED, Found, Shaped
 # there are many elements a scan looks at those that would explain most to first order.
 
 Elements = tuple[int, ...]
-
-
-def other_key(nth: int) -> Elements:
-    """In place of elements, for what is in none of them."""
-    return (-2 - nth,)
 
 
 #: More elements than these are not all scanned; of one damage, and of a further one, so many are.
@@ -159,24 +375,21 @@ class Search:
         return sorted(near, key=lambda s: -weights[s])[:_RENEWED]
 
     def _renew(self) -> None:
-        """Judge the likeliest sets anew, each from its own severities."""
+        """Judge the likeliest sets anew, each from its own severities or where it rests from there."""
         sets = self._near()
         if sets:
             betas = np.array([self._row(elements, self.fits[elements].beta) for elements in sets])
             for elements, view in zip(sets, self.likelihood.views(betas), strict=True):
-                self._renewed(elements, view)
-
-    def _renewed(self, elements: Elements, view: View) -> None:
-        """Judge a set from its own severities, or from where it comes to rest if that is not there."""
-        climb = Climb(elements)
-        for _ in range(1 + _FURTHER):
-            climb.sees(view)
-            if fits := fitted(climb.view, [elements]):
-                self.fits[elements] = fits[0]
-                return
-            (view,) = self.likelihood.views(climb.ahead()[None])
-        if climb.share < 1.0:
-            self.fits[elements] = refitted(climb.view, elements, at_peak=True)
+                climb = Climb(elements)
+                for _ in range(1 + _FURTHER):
+                    climb.sees(view)
+                    if fits := fitted(climb.view, [elements]):
+                        self.fits[elements] = fits[0]
+                        break
+                    (view,) = self.likelihood.views(climb.ahead()[None])
+                else:
+                    if climb.share < 1.0:
+                        self.fits[elements] = refitted(climb.view, elements, at_peak=True)
 
     def _most_parents(self, size: int) -> int:
         """How many sets of a size get another element."""
@@ -193,25 +406,21 @@ class Search:
 
     def _judge(self, elements: Elements, view: View) -> None:
         """Tell the evidence of a set, and of those with one element more, as seen from one point."""
-        self._keep_better(view, [elements])
+        self._keep(fitted(view, [elements]))
         self._judge_larger(elements, view)
 
     def _judge_larger(self, elements: Elements, view: View) -> None:
         """Tell the evidence of the sets with one element more."""
         larger = [] if len(elements) == LARGEST or self.outside(elements) else self._larger(elements, view)
         if larger:
-            self._keep_better(view, [tuple(sorted((*elements, e))) for e in larger])
+            self._keep(fitted(view, [tuple(sorted((*elements, e))) for e in larger]))
 
-    def _keep_better(self, view: View, sets: Sequence[Elements]) -> None:
-        """The evidence of sets of one size as seen from one point, where no other point showed more."""
-        for fit in fitted(view, sets):
-            self._keep(fit)
-
-    def _keep(self, fit: Fit) -> None:
-        """A set as judged now, unless it was judged likelier before."""
-        known = self.fits.get(fit.elements)
-        if known is None or fit.log_evidence > known.log_evidence:
-            self.fits[fit.elements] = fit
+    def _keep(self, fits: Sequence[Fit]) -> None:
+        """Sets as judged now, unless they were judged likelier before."""
+        for fit in fits:
+            known = self.fits.get(fit.elements)
+            if known is None or fit.log_evidence > known.log_evidence:
+                self.fits[fit.elements] = fit
 
     @property
     def finished(self) -> bool:
@@ -260,7 +469,7 @@ class Search:
         return (*own, self.prior.log_elsewhere(others) if others else -np.inf, self.prior.log_unknown(others))
 
     def log_weights(self) -> dict[Elements, float]:
-        """Log of prior times evidence by elements, and of what is no damage of an element."""
+        """Log of prior times evidence by elements, and of what is in none of them, by -2 and down."""
         found = self._weights()
         for s, one in self.shaped.cracked.items():
             whole = found.get(s, -np.inf) + np.log1p(-CRACKED)
@@ -274,7 +483,7 @@ class Search:
                 if self.likelihood.n == self.n_candidates:
                     unknown = float(np.log(self.prior.unknown + elsewhere))
                 for nth, one in enumerate(self.shaped.others):
-                    found[other_key(nth)] = one.log_evidence + float(np.log(elsewhere))
+                    found[-2 - nth,] = one.log_evidence + float(np.log(elsewhere))
         return found | {UNKNOWN: self.likelihood.something_else + unknown}
 
     def shaped_as(self, key: Elements) -> Shaped | None:
@@ -286,12 +495,6 @@ class Search:
             return one
         odds = one.log_evidence - whole.log_evidence
         return one if odds > np.log1p(-CRACKED) - np.log(CRACKED) else None
-
-    def view_of(self, key: Elements) -> View:
-        """The values as the likeliest of a hypothesis sees them."""
-        one = self.shaped_as(key)
-        view: View = self.fits[() if key == UNKNOWN else key].view if one is None else one.view
-        return view
 
     def _weights(self) -> dict[Elements, float]:
         return {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
@@ -377,7 +580,7 @@ class Search:
             self._see(moving, np.array([climb.ahead() for climb in moving]))
         for climb in moving:
             if not climb.rests and climb.share < 1.0:
-                self._keep(refitted(climb.view, climb.elements, at_peak=True))
+                self._keep([refitted(climb.view, climb.elements, at_peak=True)])
 
 
 def too_much(view: View) -> bool:
@@ -457,7 +660,7 @@ def log_odds_threshold(
     """Log odds of damage that the share of intact tests wanted exceeds; ``slopes`` are ``intact_slopes``."""
     from scipy.special import logsumexp
 
-    if options.quantile is None:
+    if options.false_alarm_rate is None:
         return None
     n = slopes.shape[1]
     size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-6)
@@ -466,7 +669,8 @@ def log_odds_threshold(
     room = size * HIGHEST
     evidence = 0.5 * height**2 + log_between(-height, room - height) + np.log(np.sqrt(2.0 * np.pi) / room)
     odds = logsumexp(evidence, axis=1)
-    return float(np.quantile(odds, options.quantile)) + prior.log_of(1, n) - prior.log_of(0, n)
+    least = float(np.quantile(odds, 1.0 - options.false_alarm_rate))
+    return least + prior.log_of(1, n) - prior.log_of(0, n)
 
 
 def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
@@ -689,24 +893,21 @@ def posterior(
         probability = min(float(np.exp(weight - total)), 1.0)
         if probability < least and elements and elements != kept:
             continue
-        rows.append((elements, _hypothesis(search, elements, probability, numbers)))
+        own = UNKNOWN if elements and elements[0] < 0 else tuple(numbers[e] for e in elements)
+        if elements == UNKNOWN:
+            row = Hypothesis(own, probability, (), (), (), candidate=False, kind="unknown")
+        elif one := search.shaped_as(elements):
+            losses = one.severities, one.low, one.high
+            row = Hypothesis(own, probability, *losses, own != UNKNOWN, kind=one.kind, place=one.place)
+        else:
+            fit = search.fits[elements]
+            ends = [fit.interval(nth, SHARES) for nth in range(len(elements))]
+            low, high = (tuple(end[side] for end in ends) for side in (0, 1))
+            row = Hypothesis(
+                own, probability, tuple(fit.beta.tolist()), low, high, not search.outside(elements)
+            )
+        rows.append((elements, row))
     return sorted(rows, key=lambda row: (-row[1].probability, row[0]))
-
-
-def _hypothesis(search: Search, key: Elements, probability: float, numbers: Sequence[int]) -> Hypothesis:
-    """One row of the table."""
-    if key == UNKNOWN:
-        return Hypothesis(UNKNOWN, probability, (), (), (), candidate=False, kind="unknown")
-    one = search.shaped_as(key)
-    if one is not None:
-        own = UNKNOWN if key[0] < 0 else tuple(numbers[e] for e in key)
-        words: Any = {"candidate": key[0] >= 0, "kind": one.kind, "place": one.place}
-        return Hypothesis(own, probability, one.severities, one.low, one.high, **words)
-    fit = search.fits[key]
-    ends = [fit.interval(nth, SHARES) for nth in range(len(key))]
-    low, high = (tuple(end[side] for end in ends) for side in (0, 1))
-    own, candidate = tuple(numbers[e] for e in key), not search.outside(key)
-    return Hypothesis(own, probability, tuple(fit.beta.tolist()), low, high, candidate)
 
 
 def concluded(
@@ -730,7 +931,9 @@ def concluded(
     if best.candidate and learned.threshold is not None:
         odds = float(np.logaddexp.reduce([-np.inf, *damage.values()])) - weights[()]
         declared = tuple(numbers[e] for e in likeliest) if odds > learned.threshold else ()
-    view = search.view_of(key)
+    # The values as the likeliest hypothesis sees them.
+    shaped = search.shaped_as(key)
+    view: View = search.fits[() if key == UNKNOWN else key].view if shaped is None else shaped.view
     matched, n_free = view.n_matched, 1 if key[:1] < (-1,) else len(best.severities)
     shift = likelihood.moved_alike if key == UNKNOWN else float(np.expm1(view.shift))
     taught = {each.name: getattr(learned, each.name) for each in fields(Taught)}
@@ -786,59 +989,3 @@ def _notes(search: Search, shift: float) -> list[str]:
             "to 97 % loss; the others were judged from the slopes of the undamaged model."
         )
     return notes
-
-
-# -- Without a baseline: is one factor on all stiffnesses more probable than the losses of many elements?
-#
-# A modulus or a unit that is wrong throughout comes out as a loss of nearly every element. Both are judged by
-# the same likelihood and Laplace's approximation: the one factor with every loss equally probable, on the
-# candidates or on all elements; the set of elements with the prior of their number.
-
-_MOST_STEPS, _LONGEST_STEP = 10, 0.3  # steps to the most probable factor, and the largest of them, in u
-_RARER = 6.0  # sets beyond the three elements of the prior: so many times less probable for each element more
-
-
-def common_loss(question: Question, losses: dict[int, float], threads: int) -> float:
-    """The loss of all stiffnesses that is more probable than these of single ones and than none, else 0."""
-    prior, numbers, k, n = question.prior, question.numbers, len(losses), len(question.elements)
-    if k < max(2.0, n / 3.0):
-        return 0.0
-    likelihood = question.prepared(threads).likelihood
-    u = np.zeros(likelihood.n)
-    for element, loss in losses.items():
-        u[numbers.index(element)] = -np.log1p(-min(loss, HIGHEST))
-    each = np.eye(likelihood.n)[u > 0.0]
-    share = (prior.nothing, prior.one, prior.two, prior.three)[min(k, 3)]
-    of_set = np.log(share) - max(k - 3, 0) * np.log(_RARER) - np.log(comb(n, k))
-    of_losses = _along(likelihood, each, u[u > 0.0])[1] + of_set
-    start = np.array([np.median(u[u > 0.0])])
-    families = [np.arange(likelihood.n) < n, np.ones(likelihood.n, dtype=bool)]
-    found = [_along(likelihood, family[None].astype(np.float64), start) for family in families]
-    at, of_factor = max(found, key=lambda one: one[1])
-    of_nothing = likelihood.start.log_likelihood + np.log(prior.nothing)
-    if of_factor + np.log(prior.unknown) <= max(of_losses, of_nothing):
-        return 0.0
-    return -float(np.expm1(-at[0]))
-
-
-def _along(likelihood: Likelihood, ways: FloatArray, start: FloatArray) -> tuple[FloatArray, float]:
-    """Most probable severities (u) along some ways (k, n), and the log evidence, at least, without bounds."""
-    u, size = start, float(np.log(HIGHEST))
-    best, most = start, -np.inf
-    for _ in range(_MOST_STEPS):
-        beta = -np.expm1(-u @ ways)
-        view = likelihood.views(beta[None])[0]
-        by_u = ways * (1.0 - beta)
-        gain = by_u @ view.gain - 1.0
-        matrix = by_u @ view.curvature @ by_u.T + BLIND * np.eye(u.size)
-        step_by = np.linalg.solve(matrix, gain)
-        volume = 0.5 * (u.size * np.log(2.0 * np.pi) - np.linalg.slogdet(matrix)[1])
-        log_evidence = (
-            view.log_likelihood + 0.5 * float(gain @ step_by) + float(volume) - u.size * size - u.sum()
-        )
-        if log_evidence > most:
-            best, most = u, float(log_evidence)
-        u = np.clip(u + np.clip(step_by, -_LONGEST_STEP, _LONGEST_STEP), 0.0, FURTHEST)
-        if np.abs(step_by).max() < _RESTS:
-            break
-    return best, most

@@ -15,7 +15,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -28,7 +29,7 @@ from ..measured.modal_set import ModalSet
 from ..models.parameters import Parameter, stiffness_reduction
 from ..support.checks import FloatArray
 from ..support.progress import step
-from ..updating.model_check import hint_of
+from ..updating.problem import hint_of
 from ..updating.targets import targets_of
 from .hypotheses import figure
 from .measured_modes import ModeResponses, ModeRoots, measured_modes
@@ -50,7 +51,7 @@ from .measured_states import (
 )
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import ReducedRoots, Terms
-from .shapes import Joined, Structure, structure_of
+from .shapes import Joined, Structure, joined, parameters_of, structure_of
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -62,15 +63,13 @@ Core = Source | _core.Objective
 BOUNDS = (0.2, 5.0)  # bounds of a factor, exp(-1.6) to exp(1.6): no model of an engineer is as wrong as that
 
 
-def factors_of(model: StructuralModel) -> tuple[Parameter, ...]:
-    """A factor for each stiffness and mass term that is not zero."""
-    stiffness = [Parameter("stiffness_factor", (term,), BOUNDS) for term in model._springs]
-    mass = [Parameter("mass_factor", (term,), BOUNDS) for term in range(model._core.n_mass_terms)]
-    return _governing(model, (*stiffness, *mass))
-
-
-def _governing(model: StructuralModel, factors: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
-    """Those that may be anywhere within their bounds: all, or halves of them looked at anew."""
+def factors_of(model: StructuralModel, factors: tuple[Parameter, ...] | None = None) -> tuple[Parameter, ...]:
+    """A factor for each stiffness and mass term that is not zero; of some ``factors`` those that may be
+    anywhere within their bounds."""
+    if factors is None:
+        stiffness = [Parameter("stiffness_factor", (term,), BOUNDS) for term in model._springs]
+        mass = [Parameter("mass_factor", (term,), BOUNDS) for term in range(model._core.n_mass_terms)]
+        factors = (*stiffness, *mass)
     try:
         low, high = (np.full(len(factors), bound) for bound in BOUNDS)
         _core.check_bounds(model._core, model.description.core_parameters(factors), low, high)
@@ -79,7 +78,7 @@ def _governing(model: StructuralModel, factors: tuple[Parameter, ...]) -> tuple[
         half = len(factors) // 2
         if not half:  # a term that is zero, or without which nothing holds together
             return ()
-        return _governing(model, factors[:half]) + _governing(model, factors[half:])
+        return factors_of(model, factors[:half]) + factors_of(model, factors[half:])
 
 
 #: Standard deviations of ln factor that the surroundings make: temperature of all and along the longer side,
@@ -338,21 +337,32 @@ def _scales(
     rows: FloatArray, y: FloatArray, std: FloatArray, group: NDArray[np.intp], kind: NDArray[np.intp]
 ) -> tuple[FloatArray, FloatArray]:
     """s of each group and the taus under which y is most probable, by turns on their grids."""
-    from scipy.linalg import cho_factor, cho_solve
+    from scipy.linalg.lapack import dtrtrs
 
     theta, own = rows[:, : group.size], rows[:, group.size :]
     n_groups = int(group.max(initial=0)) + 1
     parts = [theta[:, group == each] @ theta[:, group == each].T for each in range(n_groups)]
     parts += [own[:, kind == each] @ own[:, kind == each].T for each in np.unique(kind)]
     priors = [*(S, S_JOINTS)[:n_groups], *(TAU, TAU_SHAPE)[: len(parts) - n_groups]]
-    grids = [*([_S_GRID] * n_groups), *([_TAU_GRID] * (len(parts) - n_groups))]
     noise = np.diag(std**2)
 
-    def log_evidence(scales: list[float]) -> float:
-        spread = noise + sum(scale**2 * part for scale, part in zip(scales, parts, strict=True))
-        factor = cho_factor(spread, lower=True)
-        prior = sum((np.log(x / p[0]) / p[1]) ** 2 for x, p in zip(scales, priors, strict=True))
-        return float(-0.5 * (y @ cho_solve(factor, y) + prior) - np.sum(np.log(np.diag(factor[0]))))
+    @cache
+    def likeliest(nth: int, others: tuple[float, ...]) -> tuple[float, float]:
+        """The scale of one part that makes y most probable beside ``others``, 0 in its place; and how
+        probable (ln)."""
+        rest = noise + sum(scale**2 * part for scale, part in zip(others, parts, strict=True))
+        # With the rest whitened and this part diagonal, each value of the grid is a sum.
+        triangle = np.linalg.cholesky(rest)
+        half = dtrtrs(triangle, parts[nth], lower=1)[0]
+        sizes, ways = np.linalg.eigh(dtrtrs(triangle, half.T, lower=1)[0])
+        grid = _S_GRID if nth < n_groups else _TAU_GRID
+        spread = 1.0 + grid[:, None] ** 2 * np.maximum(sizes, 0.0)
+        square = (dtrtrs(triangle, y, lower=1)[0] @ ways) ** 2
+        logs = -0.5 * np.sum(square / spread + np.log(spread), axis=1) - np.log(np.diag(triangle)).sum()
+        known = [(np.log(x / p[0]) / p[1]) ** 2 for x, p in zip(others, priors, strict=True) if x]
+        logs -= 0.5 * (sum(known) + (np.log(grid / priors[nth][0]) / priors[nth][1]) ** 2)
+        best = int(np.argmax(logs))
+        return float(grid[best]), float(logs[best])
 
     # By turns either group may take what is of the other: of joints it is begun from more as well.
     found = []
@@ -362,10 +372,10 @@ def _scales(
         while scales != before:
             before = list(scales)
             for nth, _ in enumerate(parts):
-                trial = [[*scales[:nth], each, *scales[nth + 1 :]] for each in grids[nth].tolist()]
-                scales = max(trial, key=log_evidence)
-        found.append(scales)
-    scales = max(found, key=log_evidence)
+                scales[nth] = 0.0
+                scales[nth], log_evidence = likeliest(nth, tuple(scales))
+        found.append((log_evidence, scales))
+    _, scales = max(found, key=itemgetter(0))
     return np.array(scales[:n_groups]), np.array([*scales[n_groups:], TAU_SHAPE[0]][:2])
 
 
@@ -445,14 +455,6 @@ class Band(NamedTuple):
     low: float
     high: float
 
-    def prices(self, place: FloatArray, seen: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
-        """Prices of roots that are missed, and of those that are found; ``seen`` in the other state."""
-        found = np.where(seen, FOUND, FOUND_ONCE)
-        # Near the edges of the band nobody knows whether a root would have been found.
-        inside = np.clip(np.minimum(place - self.low, self.high - place) / _EDGE, 0.0, 1.0)
-        missed, present = -inside * np.log([1.0 - found, found])
-        return missed, present
-
 
 class Foreseen(NamedTuple):
     """Roots (r,) as they are expected in the measured structure at some severities."""
@@ -498,7 +500,10 @@ def associated(
 ) -> tuple[NDArray[np.intp], FloatArray, float]:
     """Root of each value, the values as seen from there, and what those without a partner cost."""
     expected = roots.place + roots.shift
-    missed, present = (np.where(roots.roots.kind == 0, p, 0.0) for p in band.prices(expected, roots.seen))
+    # Near the edges of the band nobody knows whether a root would have been found; a shape is or is not.
+    inside = np.clip(np.minimum(expected - band.low, band.high - expected) / _EDGE, 0.0, 1.0)
+    found = np.where(roots.seen, FOUND, FOUND_ONCE)
+    missed, present = np.where(roots.roots.kind == 0, -inside * np.log([1.0 - found, found]), 0.0)
     alone = price_alone(*band)
     partner, place, lost = now.associated(roots.roots, expected, sigma, alone, missed - present, wider)
     taken = partner[partner >= 0]
@@ -523,7 +528,9 @@ def _judged(
     residual = place[has] - roots.place[root]
     model, noise = roots.spread[np.ix_(root, root)], np.diag(now.std[has] ** 2)
     change = roots.change[root]
-    size = np.sqrt(change**2 + _COMMON * _mean_of_kind(change**2, roots.roots.kind[root]))
+    kind = roots.roots.kind[root]
+    usual = np.bincount(kind, change**2) / np.maximum(np.bincount(kind), 1)  # mean square of each kind
+    size = np.sqrt(change**2 + _COMMON * usual[kind])
     # Two tests of one state share the error of a root's change.
     unmodelled = (root[:, None] == root) * np.outer(size, size)
     kappa, times, mixed = errors.T[:3, :, None, None]
@@ -559,7 +566,7 @@ def _judged(
         felt = together[:, 1:].T @ pull
         felt[: roots.n_warm] *= way == _WARM
         moved = ways[way] @ (ways[way].T @ pull)
-        shift = float(np.median(moved[roots.roots.kind[root] == 0])) if way else 0.0
+        shift = float(np.median(moved[kind == 0])) if way else 0.0
     price += 0.5 * has.size * float(np.log(2.0 * np.pi))
     return View(
         beta=beta,
@@ -609,14 +616,6 @@ def all_errors(outside: float, with_mixed: float) -> FloatArray:
     with np.errstate(divide="ignore"):
         rows[:, 3:] = np.log(rows[:, 3:])
     return rows
-
-
-def _mean_of_kind(squares: FloatArray, kind: NDArray[np.intp]) -> FloatArray:
-    """The mean of those of the same kind, for each."""
-    found = np.zeros(squares.size)
-    for each in np.unique(kind):
-        found[kind == each] = squares[kind == each].mean()
-    return found
 
 
 # -- Roots that the baseline shows and the model loses on the way to a damage: two that met
@@ -760,6 +759,8 @@ class Likelihood(ValueLikelihood):
     ) -> None:
         self.core, self.n, self.error, self.now, self.threads = core, n_elements, error, now, threads
         self.common, self.nfev, self.n_elements = common, 0, n_elements
+        #: What is added to severities: shapes behind the elements may have another amount that is no change.
+        self.offset: FloatArray | float = 0.0
         self.band = _band(now, intact)
         self.factors = np.exp(error.theta)
         #: Changes of ln factor (p, k) that the surroundings make, of standard deviation 1 each.
@@ -794,7 +795,7 @@ class Likelihood(ValueLikelihood):
         """The model's roots at each row of severities (m, n), where ln factors have ``changed`` by (m, p)."""
         self.nfev += len(betas)
         changed = np.zeros((len(betas), self.factors.size)) if changed is None else changed
-        x = np.hstack([betas, self.factors * np.exp(changed)])
+        x = np.hstack([betas + self.offset, self.factors * np.exp(changed)])
         band_hz = (np.exp(self.band.low - 2.0 * _MARGIN), np.exp(self.band.high + 2.0 * _MARGIN))
         return roots_at(self.core, x, slopes=slopes, threads=self.threads, band_hz=band_hz)
 
@@ -926,11 +927,6 @@ class Prepared(NamedTuple):
     n_given: int  # factors that are of this
 
     @property
-    def reductions(self) -> tuple[Parameter, ...]:
-        """The losses of all elements."""
-        return tuple(stiffness_reduction(self.numbers))
-
-    @property
     def stiffness_factors(self) -> dict[int, float]:
         """Factor of each element's stiffness after the baseline."""
         pairs = zip(self.factors, self.likelihood.factors.tolist(), strict=True)
@@ -988,10 +984,10 @@ class _Families(NamedTuple):
         base = structure.finer or model
         joints, given = structure.joints(), {p.terms for p in factors if p.quantity == "stiffness_factor"}
         springs = [p for p in structure.yielding if p.terms not in given]
-        more = (*springs, *joints.factors(base, BOUNDS)) if yields else ()
+        more = (*springs, *parameters_of(base, joints, BOUNDS)) if yields else ()
         if base is model and not more:
             return self.plain
-        base, every = joints.joined(base) if more and len(joints) else base, (*factors, *more)
+        base, every = joined(base, joints) if more and joints else base, (*factors, *more)
         reductions = stiffness_reduction(self.question.numbers)
         core = self.responses.source(
             base, model.description.core_parameters((*reductions, *every)), **self.how
@@ -1000,7 +996,7 @@ class _Families(NamedTuple):
         group = np.pad(self.plain.group, (0, len(more)), constant_values=1)
         along = structure.along
         if along is not None:
-            of = [shape.element for shape in joints.shapes] if more else []
+            of = [shape.element for shape in joints] if more else []
             places = np.zeros(base._core.n_stiffness_terms)
             places[: along.size] = along
             places[places.size - len(of) :] = [along[e] if e >= 0 else 0.0 for e in of]

@@ -97,11 +97,6 @@ class SearchOptions(Options):
         """Those of damage without a baseline, and what counts as none."""
         return self.gamma1, self.gamma2, self.snap
 
-    @property
-    def quantile(self) -> float | None:
-        """Of the odds in intact tests, beyond which damage is declared; None: by probability alone."""
-        return None if self.false_alarm_rate is None else 1.0 - self.false_alarm_rate
-
     def of(self, scope: str) -> SearchOptions:
         """The same, checked; options that have no effect in this kind of assessment are refused."""
         for name, said in self.declared().items():
@@ -196,19 +191,16 @@ class DamagePrior:
     def log_of(self, n_damaged: int, n_candidates: int) -> float:
         """Log probability of each set of so many candidates."""
         share = (self.nothing, self.one, self.two, self.three)[n_damaged]
-        return _log(share) - float(np.log(comb(n_candidates, n_damaged)))
+        return float(np.log(share) - np.log(comb(n_candidates, n_damaged))) if share else -np.inf
 
     def log_elsewhere(self, n_others: int) -> float:
         """Log probability of each element that is no candidate."""
-        return _log(self.elsewhere) - float(np.log(n_others))
+        return float(np.log(self.elsewhere) - np.log(n_others)) if self.elsewhere else -np.inf
 
     def log_unknown(self, n_others: int) -> float:
         """Log probability of something else."""
-        return _log(self.unknown + (0.0 if n_others else self.elsewhere))
-
-
-def _log(probability: float) -> float:
-    return float(np.log(probability)) if probability else -np.inf
+        share = self.unknown + (0.0 if n_others else self.elsewhere)
+        return float(np.log(share)) if share else -np.inf
 
 
 def checked_prior(prior: Any, options: SearchOptions) -> DamagePrior:

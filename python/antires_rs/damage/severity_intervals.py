@@ -20,9 +20,8 @@ from ..updating.posterior import (
     evenly_chosen,
     stepwise,
 )
-from .evidence import FURTHEST, HIGHEST, Fit, truncated
 from .hypotheses import Assessment, Hypothesis
-from .inference import LEVEL, settled
+from .inference import FURTHEST, HIGHEST, LEVEL, Fit, settled, truncated
 from .likelihood import Likelihood, Prepared, Question
 
 
@@ -107,7 +106,7 @@ class SeverityIntervals(ParameterIntervals):
 
 # -- Severities of one set of damaged elements drawn from their posterior, and its evidence, by sampling
 #
-# The density is that of :mod:`~antires_rs.damage.evidence`, p(ln f | u) exp(-sum u), with values and roots
+# The density is that of :mod:`~antires_rs.damage.inference`, p(ln f | u) exp(-sum u), with values and roots
 # associated anew at every point. Points are drawn from the Gaussian of the fit, widened and within its
 # bounds, and weighted; where hardly any count, particles go by steps from the widest Gaussian to the density.
 

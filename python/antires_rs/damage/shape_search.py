@@ -9,49 +9,50 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..support.checks import FloatArray
 from ..support.progress import step
-from .evidence import FURTHEST, Fit, fitted, refitted
-from .inference import SHARES, USUALLY_LOST, Elements, Search, stepped, too_much
-from .likelihood import Likelihood, Prepared, Question, View
-from .measured_states import Responses, Roots, Values, roots_at
-from .shapes import Found, Shape, Shaped, Shapes
+from .inference import (
+    FURTHEST,
+    SHARES,
+    USUALLY_LOST,
+    Elements,
+    Fit,
+    Search,
+    fitted,
+    refitted,
+    stepped,
+    too_much,
+)
+from .likelihood import Likelihood, Prepared, Question
+from .measured_states import Responses, Values, roots_at
+from .shapes import Found, Shape, Shaped, joined, parameters_of
 
 #: Shares of the prior of what is in no element, by kind.
 _ELSEWHERE = {"mass": 0.4, "joint": 0.2, "support": 0.2}
 SENSOR = 0.2
 _LEAST_SENSORS = 3  # with fewer sensors the values of one are not told from those of all
 
-# -- The likelihood with shapes behind the elements
 
-
-class ShapedLikelihood(Likelihood):
-    """p(values | severities of elements and amounts of shapes)."""
-
-    offset: FloatArray
-
-    def roots(self, betas: FloatArray, *, slopes: bool, changed: FloatArray | None = None) -> list[Roots]:
-        """See the base class."""
-        return super().roots(betas + self.offset, slopes=slopes, changed=changed)
-
-
-def with_shapes(prepared: Prepared, question: Question, shapes: Shapes) -> ShapedLikelihood | None:
-    """None where the model with the shapes has not the same roots, as when some are close together."""
+def with_shapes(prepared: Prepared, question: Question, shapes: Sequence[Shape]) -> Likelihood | None:
+    """The likelihood with shapes behind the elements; None where the model with these has not the same
+    roots, as when some are close together."""
     plain, model = prepared.likelihood, prepared.base
-    joined, responses = shapes.joined(model), prepared.responses
+    responses = prepared.responses
     assert isinstance(responses, Responses)
-    own = prepared.reductions
-    parameters = (*own, *shapes.parameters(model), *prepared.factors)
-    core = responses.source(joined, question.model.description.core_parameters(parameters))
-    offset = np.concatenate([np.zeros(len(own)), shapes.offset])
+    own = stiffness_reduction(prepared.numbers)
+    parameters = (*own, *parameters_of(model, shapes), *prepared.factors)
+    core = responses.source(joined(model, shapes), question.model.description.core_parameters(parameters))
+    # What the core takes for no change.
+    offset = np.array([0.0] * len(own) + [float(shape.kind == "mass") for shape in shapes])
     x = np.concatenate([offset, plain.factors])
     intact = roots_at(core, x[None], slopes=True, threads=plain.threads)[0]
     before = plain.error.intact
     if intact.size != before.size or not np.allclose(intact.log_f, before.log_f, rtol=0.0, atol=1e-6):
         return None
     error = replace(plain.error, intact=intact)
-    found = ShapedLikelihood(
+    found = Likelihood(
         core,
         offset.size,
         error,
@@ -108,7 +109,7 @@ def _search(search: Search, prepared: Prepared, question: Question, found: Found
         found.others += _sensors(prepared, question.model)
     factor = prepared.stiffness_factors
     shapes = frame.shapes(factor)
-    if not len(shapes):
+    if not shapes:
         return
     step("cracks, joints and masses")
     likelihood = with_shapes(prepared, question, shapes)
@@ -123,24 +124,24 @@ def _search(search: Search, prepared: Prepared, question: Question, found: Found
     near = {numbers[s[0]] for s in singles[:_BY_EVIDENCE]}
     near |= {other for e in near for other in frame.neighbours(e)}
     # Large changes leave few values with a partner, and gains say little: what is in no element is scanned.
-    beside = [n + k for k, shape in enumerate(shapes.shapes) if shape.kind != "crack"]
+    beside = [n + k for k, shape in enumerate(shapes) if shape.kind != "crack"]
     scanned = beside if len(beside) <= _MOST_SCANNED else []
     by_gain = n + np.argsort(-start.gains[n:], kind="stable")[:_BY_GAIN]
-    chosen = {*by_gain.tolist(), *scanned, *(n + k for k, s in enumerate(shapes.shapes) if s.element in near)}
+    chosen = {*by_gain.tolist(), *scanned, *(n + k for k, s in enumerate(shapes) if s.element in near)}
     chosen |= {s[0] for s in singles[:_PARENTS]}
     fits = _refined(likelihood, [(c,) for c in sorted(chosen)])
     _singles(prepared, question, shapes, n, fits, found)
     # A spring that is a candidate is judged as one.
     named = {question.model.element_label(e) for e in question.elements}
     for kind, share in _ELSEWHERE.items():
-        own = [k for k, s in enumerate(shapes.shapes) if s.kind == kind and s.name not in named]
+        own = [k for k, s in enumerate(shapes) if s.kind == kind and s.name not in named]
         for k in own:
             if (n + k,) in fits:
                 prior = float(np.log(share / len(own)))
-                found.others.append(_beside(shapes.shapes[k], fits[n + k,], prior))
+                found.others.append(_beside(shapes[k], fits[n + k,], prior))
     best = max([likeliest, *fits.values()], key=lambda fit: fit.log_evidence)
     unknown = search.likelihood.something_else
-    cracks = any(shape.kind == "crack" for shape in shapes.shapes)
+    cracks = any(shape.kind == "crack" for shape in shapes)
     unsure = best.view.kappa > 0.0 or best.view.times > 1.0
     if cracks and (unsure or too_much(best.view) or best.log_evidence < unknown):
         pairs = _pairs(likelihood, shapes, numbers, question.elements, fits)
@@ -191,28 +192,22 @@ def _refined(
         betas = starts
     fits: dict[Elements, Fit] = {}
     sets = list(sets)
-    for nth, extra in enumerate(errors):
-        views = likelihood.views(betas, extra)
+    for nth, extra in enumerate((*errors, 0.0)):
+        views, last = likelihood.views(betas, extra), nth == len(errors)
         logs = np.array([view.log_likelihood for view in views])
         order = np.argsort(-logs, kind="stable")
         kept = sorted(
             n
             for rank, n in enumerate(order)
-            if nth < 2 or rank < _KEPT or logs[n] > logs[order[0]] - _HOPELESS
+            if last or nth < 2 or rank < _KEPT or logs[n] > logs[order[0]] - _HOPELESS
         )
         sets, views = [sets[n] for n in kept], [views[n] for n in kept]
-        if not extra:
-            _keep(fits, sets, views)
+        for s, view in zip(sets, views, strict=True):
+            for fit in [] if extra else fitted(view, [s]):
+                if s not in fits or fit.log_evidence > fits[s].log_evidence:
+                    fits[s] = fit
         betas = np.array([stepped(s, view) for s, view in zip(sets, views, strict=True)])
-    _keep(fits, sets, likelihood.views(betas))
     return fits
-
-
-def _keep(fits: dict[Elements, Fit], sets: Sequence[Elements], views: Sequence[View]) -> None:
-    for s, view in zip(sets, views, strict=True):
-        for fit in fitted(view, [s]):
-            if s not in fits or fit.log_evidence > fits[s].log_evidence:
-                fits[s] = fit
 
 
 class Crack(NamedTuple):
@@ -224,6 +219,7 @@ class Crack(NamedTuple):
 
     @property
     def likeliest(self) -> tuple[Shape, Fit]:
+        """The likeliest place."""
         return max(self.places, key=lambda each: each[1].log_evidence)
 
     def curve(self) -> tuple[FloatArray, FloatArray, list[tuple[Shape, Fit]]]:
@@ -302,27 +298,32 @@ def _narrowed(prepared: Prepared, question: Question, crack: Crack) -> Crack:
             other = prepared.structure.cracks(
                 crack.beside.element, [crack.beside.share], prepared.stiffness_factors
             )
-            own = [(*each, n + len(more) + other.shapes.index(crack.beside)) for each in own]
-            every = Shapes(more.shapes + other.shapes, more.terms + other.terms)
+            own = [(*each, n + len(more) + other.index(crack.beside)) for each in own]
+            every = more + other
         elif crack.beside is not None:
             own = [(*each, crack.beside) for each in own]
         likelihood = with_shapes(prepared, question, every)
         if likelihood is None:
             break
         starts = np.zeros((len(own), likelihood.n))
-        for row, columns, shape in zip(starts, own, more.shapes, strict=True):
+        for row, columns, shape in zip(starts, own, more, strict=True):
             row[list(columns)] = [shape.amount(likeliest.loss(float(fit.beta[0]))), *fit.beta[1:]]
         fits = _refined(likelihood, own, starts, _NEAR)
-        crack.places.extend((more.shapes[columns[0] - n], one) for columns, one in fits.items())
+        crack.places.extend((more[columns[0] - n], one) for columns, one in fits.items())
     return crack
 
 
 def _singles(
-    prepared: Prepared, question: Question, shapes: Shapes, n: int, fits: dict[Elements, Fit], found: Found
+    prepared: Prepared,
+    question: Question,
+    shapes: Sequence[Shape],
+    n: int,
+    fits: dict[Elements, Fit],
+    found: Found,
 ) -> None:
     """Cracks of each element: evidence over their places, and the likeliest place narrowed down."""
     by_element: dict[int, Crack] = {}
-    for k, shape in enumerate(shapes.shapes):
+    for k, shape in enumerate(shapes):
         if shape.kind == "crack" and (n + k,) in fits and shape.element in question.elements:
             by_element.setdefault(shape.element, Crack([])).places.append((shape, fits[n + k,]))
     order = sorted(by_element.values(), key=lambda crack: -crack.likeliest[1].log_evidence)
@@ -354,13 +355,13 @@ def _beside(shape: Shape, fit: Fit, log_prior: float) -> Shaped:
 
 def _pairs(
     likelihood: Likelihood,
-    shapes: Shapes,
+    shapes: Sequence[Shape],
     numbers: Sequence[int],
     candidates: Sequence[int],
     fits: dict[Elements, Fit],
 ) -> dict[Elements, Fit]:
     """Pairs of cracks, or of a crack and an element, in two candidates."""
-    owner = np.array([*numbers, *(s.element if s.kind == "crack" else -1 for s in shapes.shapes)])
+    owner = np.array([*numbers, *(s.element if s.kind == "crack" else -1 for s in shapes)])
     owner[~np.isin(owner, candidates)] = -1
     singles = sorted((s for s in fits if owner[s[0]] >= 0), key=lambda s: -fits[s].log_evidence)
     first: dict[tuple[int, bool], tuple[int, float]] = {}
@@ -406,13 +407,13 @@ def _joined(
 
 
 def _doubles(
-    prepared: Prepared, question: Question, shapes: Shapes, pairs: dict[Elements, Fit], found: Found
+    prepared: Prepared, question: Question, shapes: Sequence[Shape], pairs: dict[Elements, Fit], found: Found
 ) -> None:
     """Pairs by their elements; places of the likeliest are narrowed down, of others one stands for all."""
     n, numbers = len(prepared.numbers), prepared.numbers
     order = sorted(pairs.values(), key=lambda fit: -fit.log_evidence)
     for rank, fit in enumerate(order):
-        parts: list[Shape | int] = [shapes.shapes[c - n] if c >= n else c for c in fit.elements]
+        parts: list[Shape | int] = [shapes[c - n] if c >= n else c for c in fit.elements]
         near = rank < _NARROWED and fit.log_evidence > order[0].log_evidence - _HOPELESS
         rows: dict[int, tuple[float, float, float]] = {}
         places, averaged = [], 0.0

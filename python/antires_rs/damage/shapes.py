@@ -43,7 +43,8 @@ _TRANSLATIONS = ("u", "v", "w")  # directions in which a mass counts, and about 
 _STRAIGHT = 0.02  # two elements are one straight beam up to this angle (rad)
 
 
-class Shape(NamedTuple):
+@dataclass(frozen=True)
+class Shape:
     """A way to change the model, of one amount beta from 0 to 1."""
 
     kind: Kind
@@ -53,6 +54,7 @@ class Shape(NamedTuple):
     #: Of a hinge: its flexibility over that of the whole element, L / EI, where beta / (1 - beta) is 1; of a
     #: mass: kg at beta = 1.
     size: float
+    term: Entries = field(repr=False, compare=False)  # of stiffness or mass, by dof
     length_m: float = 0.0
     name: str = ""  # of a spring, or of the mass of a chain that gets more
 
@@ -61,7 +63,7 @@ class Shape(NamedTuple):
         flexible = self.size * beta / (1.0 - beta)
         return flexible / (1.0 + flexible)
 
-    def amount(self, loss: float) -> float:
+    def amount(self, loss: Any) -> Any:
         """The amount beta of that loss."""
         return loss / (loss + (1.0 - loss) * self.size)
 
@@ -95,49 +97,6 @@ class Found:
 
 
 @dataclass(frozen=True)
-class Shapes:
-    """All of a model, with their terms (n, n) of stiffness or mass by dof."""
-
-    shapes: tuple[Shape, ...]
-    terms: tuple[Any, ...]
-
-    def __len__(self) -> int:
-        return len(self.shapes)
-
-    def parameters(self, model: StructuralModel | Joined) -> tuple[Parameter, ...]:
-        """One each, as the model of :meth:`joined` has them; of a mass 1 + beta."""
-        stiffness, mass = model._core.n_stiffness_terms, model._core.n_mass_terms
-        found = []
-        for shape in self.shapes:
-            if shape.kind == "mass":
-                found.append(Parameter("mass_factor", (mass,), (1.0, 2.0)))
-                mass += 1
-            else:
-                found.append(Parameter("stiffness_reduction", (stiffness,), (0.0, 1.0)))
-                stiffness += 1
-        return tuple(found)
-
-    def factors(self, model: StructuralModel | Joined, bounds: tuple[float, float]) -> tuple[Parameter, ...]:
-        """A factor of each that is not to change between the tests."""
-        kinds: Any = {"stiffness_reduction": "stiffness_factor", "mass_factor": "mass_factor"}
-        return tuple(Parameter(kinds[p.quantity], p.terms, bounds) for p in self.parameters(model))
-
-    @property
-    def offset(self) -> FloatArray:
-        """What the core takes for no change, of each."""
-        return np.array([1.0 if shape.kind == "mass" else 0.0 for shape in self.shapes])
-
-    def joined(self, model: StructuralModel | Joined) -> Joined:
-        """The model with these terms behind its own."""
-        core = model._core
-        stiffness, mass = core.stiffness_terms(), core.mass_terms()
-        for shape, term in zip(self.shapes, self.terms, strict=True):
-            (mass if shape.kind == "mass" else stiffness).append(Entries.of_sparse(term))
-        whole = _entries(core.stiffness()), _entries(core.mass())
-        return Joined(core.n_dof, CoreModel.from_matrices(core.n_dof, *whole, stiffness, mass))
-
-
-@dataclass(frozen=True)
 class Joined:
     """A model with more terms than it was built with, for its roots alone."""
 
@@ -146,6 +105,32 @@ class Joined:
 
     def _core_for(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
         return self._core, list(dofs)
+
+
+def joined(model: StructuralModel | Joined, shapes: Sequence[Shape]) -> Joined:
+    """The model with the terms of ``shapes`` behind its own."""
+    core = model._core
+    stiffness, mass = core.stiffness_terms(), core.mass_terms()
+    for shape in shapes:
+        (mass if shape.kind == "mass" else stiffness).append(shape.term)
+    whole = _entries(core.stiffness()), _entries(core.mass())
+    return Joined(core.n_dof, CoreModel.from_matrices(core.n_dof, *whole, stiffness, mass))
+
+
+def parameters_of(
+    model: StructuralModel | Joined, shapes: Sequence[Shape], bounds: tuple[float, float] | None = None
+) -> tuple[Parameter, ...]:
+    """One each, as :func:`joined` has them: a loss, of a mass 1 + beta; with ``bounds`` a factor of what is
+    not to change between the tests."""
+    core, found = model._core, []
+    behind = {"stiffness": core.n_stiffness_terms, "mass": core.n_mass_terms}
+    for shape in shapes:
+        of = "mass" if shape.kind == "mass" else "stiffness"
+        lost = of == "stiffness" and bounds is None
+        quantity: Any = "stiffness_reduction" if lost else f"{of}_factor"
+        found.append(Parameter(quantity, (behind[of],), bounds or ((0.0, 1.0) if lost else (1.0, 2.0))))
+        behind[of] += 1
+    return tuple(found)
 
 
 def _entries(columns: Columns) -> tuple[Any, Any, FloatArray]:
@@ -172,6 +157,19 @@ def _together(several: Sequence[tuple[Any, Any, FloatArray]]) -> Entries:
     rows, columns, values = map(np.concatenate, zip(*several, strict=True))
     n = 1 + max(int(each.max(initial=0)) for each in (rows, columns))
     return Entries.of_sparse(coo_array((values, (rows, columns)), shape=(n, n)))
+
+
+def _product(force: FloatArray, factor: float = 1.0) -> Entries:
+    """The term factor f f' of forces f by dof."""
+    at = np.flatnonzero(force).astype(np.uint32)
+    values = factor * np.outer(force[at], force[at]).ravel()
+    return Entries(np.repeat(at, at.size), np.tile(at, at.size), values)
+
+
+def _masses(kg: float, dofs: Sequence[int] | NDArray[np.intp]) -> Entries:
+    """The term of a mass that moves with some dofs."""
+    at = np.array(dofs, dtype=np.uint32)
+    return Entries(at, at, np.full(at.size, kg))
 
 
 def _of_core(term: Any, n: int) -> Any:
@@ -233,29 +231,22 @@ class Structure:
         del left
         return self
 
-    def shapes(self, factor: Mapping[int, float]) -> Shapes:
+    def shapes(self, factor: Mapping[int, float]) -> list[Shape]:
         """What may change beside the losses of elements."""
         del factor
-        return Shapes((), ())
+        return []
 
-    def joints(self) -> Shapes:
+    def joints(self) -> list[Shape]:
         """What the model may lack: the mass at each dof."""
-        from scipy.sparse import csr_array
+        if self.model._core.n_mass_terms or self.model.n_dof > _MOST_DOFS:
+            return []
+        own = enumerate(np.asarray(self.model.mass().diagonal()).tolist())
+        return [Shape("mass", -1, 0.0, dof, kg, _masses(kg, [dof])) for dof, kg in own if kg > 0.0]
 
-        n = self.model.n_dof
-        if self.model._core.n_mass_terms or n > _MOST_DOFS:
-            return Shapes((), ())
-        own = np.asarray(self.model.mass().diagonal())
-        found = []
-        for dof in np.flatnonzero(own > 0.0).tolist():
-            term = csr_array(([own[dof]], ([dof], [dof])), shape=(n, n))
-            found.append((Shape("mass", -1, 0.0, dof, float(own[dof])), term))
-        return _listed(found)
-
-    def cracks(self, element: int, shares: Sequence[float], factor: Mapping[int, float]) -> Shapes:
+    def cracks(self, element: int, shares: Sequence[float], factor: Mapping[int, float]) -> list[Shape]:
         """None."""
         del element, shares, factor
-        return Shapes((), ())
+        return []
 
     def neighbours(self, element: int) -> list[int]:
         """None are known."""
@@ -275,35 +266,26 @@ class Chain(Structure):
         between = np.linspace(-1.0, 1.0, max(self.model.n_dof - 1, 1))
         return np.concatenate([between, [-1.0, 1.0]])
 
-    def shapes(self, factor: Mapping[int, float]) -> Shapes:
+    def shapes(self, factor: Mapping[int, float]) -> list[Shape]:
         """A mass at each of the masses."""
-        from scipy.sparse import csr_array
+        most = _MOST_MASS * float(np.diag(np.asarray(self.model.mass())).sum())
+        nodes, named = range(self.model.n_dof), self.model.mass_label
+        return [Shape("mass", -1, 0.0, k, most, _masses(most, [k]), name=named(k)) for k in nodes]
 
-        n, mass = self.model.n_dof, np.diag(np.asarray(self.model.mass()))
-        most = _MOST_MASS * float(mass.sum())
-        terms = [csr_array(([most], ([node], [node])), shape=(n, n)) for node in range(n)]
-        named = self.model.mass_label
-        return _listed(
-            [(Shape("mass", -1, 0.0, node, most, name=named(node)), term) for node, term in enumerate(terms)]
-        )
-
-    def joints(self) -> Shapes:
+    def joints(self) -> list[Shape]:
         """What tilting and bending leave of the stiffness, by the formula of a hinge."""
-        from scipy.sparse import csr_array
-
         recipe = self.model._recipe
         ends = recipe.ground_first_n_per_m, recipe.ground_last_n_per_m
         if (ends[0] == 0.0) == (ends[1] == 0.0):
-            return Shapes((), ())
+            return []
         n, stiffness = self.model.n_dof, np.asarray(self.model.stiffness())
         height = np.arange(1.0, n + 1.0) / n
         found = []
         for power in _TILTS:
             way = (height if ends[0] else height[::-1]) ** power
             force = stiffness @ way
-            column = csr_array((force / np.sqrt(way @ force))[:, None])
-            found.append((Shape("joint", -1, 0.0, -1, 1.0), column @ column.T))
-        return _listed(found)
+            found.append(Shape("joint", -1, 0.0, -1, 1.0, _product(force / np.sqrt(way @ force))))
+        return found
 
 
 # -- What elements do between their nodes, where they are long against the waves in them, as further dofs
@@ -480,13 +462,24 @@ class Frame(Structure):
     def _ends_of(self, element: int) -> NDArray[np.intp]:
         return np.array([dof for node in self.ends[element] for dof in self._of_node(node)])
 
-    def shapes(self, factor: Mapping[int, float]) -> Shapes:
-        """Cracks, joints and masses."""
-        found: list[tuple[Shape, Any]] = []
-        for element in range(len(self.ends)):
-            for share in PLACES:
-                found += self._hinges(element, share, "crack", self.ends[element][0], factor)
-        return _listed([*found, *self._turning(factor), *self._supports(), *self._masses()])
+    def shapes(self, factor: Mapping[int, float]) -> list[Shape]:
+        """Cracks, joints, supports and masses."""
+        found = [one for e in range(len(self.ends)) for one in self.cracks(e, PLACES, factor)]
+        for node, kind in self.turning.items():
+            for element, end in self.meeting[node]:
+                found += self._hinges(element, float(end), kind, node, factor)
+        terms = self.model._core.stiffness_terms()
+        for (k,) in (p.terms for p in self.springs):  # that lose stiffness
+            label = self.model.element_label(k)
+            found.append(Shape("support", -1, 0.0, -1, 1.0, Entries(*terms[k]), name=label))
+        one = np.zeros(self.n)
+        one[[self.at[node, self.moves[0]] for node in range(len(self.nodes))]] = 1.0
+        most = _MOST_MASS * float(one @ (self.mass @ one))
+        for node in range(len(self.nodes)):  # that can move
+            row = np.flatnonzero(np.isin(self.free, [self.at[node, name] for name in self.moves]))
+            if row.size:
+                found.append(Shape("mass", -1, 0.0, node, most, _masses(most, row)))
+        return found
 
     @property
     def along(self) -> FloatArray:
@@ -525,27 +518,10 @@ class Frame(Structure):
         held = [first + k for k, term in enumerate(terms) if np.any(term[2])]
         return tuple(Parameter("stiffness_factor", (k,), (0.2, 5.0)) for k in held)
 
-    def _supports(self) -> list[tuple[Shape, Any]]:
-        """Springs that lose stiffness."""
-        terms, n = self.model._core.stiffness_terms(), self.model.n_dof
-        found = []
-        for (k,) in (p.terms for p in self.springs):
-            shape = Shape("support", -1, 0.0, -1, 1.0, name=self.model.element_label(k))
-            found.append((shape, _of_core(terms[k], n)))
-        return found
-
-    def _turning(self, factor: Mapping[int, float]) -> list[tuple[Shape, Any]]:
-        found = []
-        for node, kind in self.turning.items():
-            for element, end in self.meeting[node]:
-                found += self._hinges(element, float(end), kind, node, factor)
-        return found
-
-    def cracks(self, element: int, shares: Sequence[float], factor: Mapping[int, float]) -> Shapes:
+    def cracks(self, element: int, shares: Sequence[float], factor: Mapping[int, float]) -> list[Shape]:
         """Of one element, at some places."""
-        return _listed(
-            [one for x in shares for one in self._hinges(element, x, "crack", self.ends[element][0], factor)]
-        )
+        first = self.ends[element][0]
+        return [one for x in shares for one in self._hinges(element, x, "crack", first, factor)]
 
     def neighbours(self, element: int) -> list[int]:
         """Elements with a node in common; a spring has none."""
@@ -564,10 +540,8 @@ class Frame(Structure):
 
     def _hinges(
         self, element: int, share: float, kind: Kind, node: int, factor: Mapping[int, float]
-    ) -> list[tuple[Shape, Any]]:
+    ) -> list[Shape]:
         """A hinge about each axis about which the beam bends, where what is free of it moves."""
-        from scipy.sparse import csr_array
-
         along, length = self._along(element)
         second, found = self.ends[element][1], []
         for turn in self._axes(element, along):
@@ -590,9 +564,10 @@ class Frame(Structure):
                 turned = [*np.cross(turn, arm)[: along.size], *self._turns(turn)]
                 own[inner.dofs] = turned @ inner.forces[part]
                 stiff += float(np.sum(own[inner.dofs] ** 2 / inner.squares))
-            column = csr_array((own / np.sqrt(stiff))[:, None])
-            shape = Shape(kind, element, share, node, self._bending(element, turn) / stiff, length)
-            found.append((shape, factor.get(element, 1.0) * (column @ column.T)))
+            term = _product(own / np.sqrt(stiff), factor.get(element, 1.0))
+            found.append(
+                Shape(kind, element, share, node, self._bending(element, turn) / stiff, term, length)
+            )
         return found
 
     def _axes(self, element: int, along: FloatArray) -> list[FloatArray]:
@@ -617,21 +592,3 @@ class Frame(Structure):
         for sign, node in zip((-0.5, 0.5), self.ends[element], strict=True):
             bent[self._of_node(node)] = [*still, *(sign * self._turns(turn))]
         return float(bent @ (self.stiffness[element] @ bent))
-
-    def _masses(self) -> list[tuple[Shape, Any]]:
-        """A mass at each node that can move."""
-        from scipy.sparse import csr_array
-
-        one, found = np.zeros(self.n), []
-        one[[self.at[node, self.moves[0]] for node in range(len(self.nodes))]] = 1.0
-        most = _MOST_MASS * float(one @ (self.mass @ one))
-        for node in range(len(self.nodes)):
-            row = np.flatnonzero(np.isin(self.free, [self.at[node, name] for name in self.moves]))
-            if row.size:
-                term = csr_array((np.full(row.size, most), (row, row)), shape=(self.free.size,) * 2)
-                found.append((Shape("mass", -1, 0.0, node, most), term))
-        return found
-
-
-def _listed(found: Sequence[tuple[Shape, Any]]) -> Shapes:
-    return Shapes(tuple(shape for shape, _ in found), tuple(term for _, term in found))

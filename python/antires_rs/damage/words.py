@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
-from ..updating.model_check import NOT_EXPLAINED, Explained, few_alone
+from ..updating.problem import NOT_EXPLAINED, Explained, few_alone
 from ..updating.targets import FrequencyTable, ModalTable
 from .hypotheses import Assessment, Hypothesis, figure, percent, span
 

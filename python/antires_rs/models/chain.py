@@ -87,7 +87,10 @@ class MassSpringChain(StructuralModel):
         return self.default_elements + [term for term, stiffness in to_ground if stiffness != 0.0]
 
     def _matrix(self, columns: Columns) -> Any:
-        return super()._matrix(columns).toarray()
+        starts, rows, values = columns
+        dense = np.zeros((self.n_dof, self.n_dof))
+        dense[rows, np.repeat(np.arange(self.n_dof), np.diff(starts))] = values
+        return dense
 
     def __repr__(self) -> str:
         return f"MassSpringChain({self.n_dof} masses)"

@@ -7,8 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..damage.assess import elements_of
-from ..damage.evidence import HIGHEST
-from ..damage.inference import smallest_found
+from ..damage.inference import HIGHEST, smallest_found
 from ..damage.measured_states import roots_at
 from ..damage.options import DamagePrior, SearchOptions, checked_prior
 from ..exceptions import reject

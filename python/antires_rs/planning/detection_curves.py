@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..damage.evidence import HIGHEST
+from ..damage.inference import HIGHEST
 from ..measured.antiresonance_set import aligned, number
 from ..support.checks import BoolArray, FloatArray
 from ..support.values import ReadOnly

@@ -12,8 +12,7 @@ import numpy as np
 
 from .. import _core
 from ..damage.assess import assess_damage
-from ..damage.evidence import HIGHEST
-from ..damage.inference import intact_slopes, log_odds_threshold
+from ..damage.inference import HIGHEST, intact_slopes, log_odds_threshold
 from ..damage.likelihood import BOUNDS, ERRORS, Likelihood, ModelError, factors_of, learned
 from ..damage.measured_states import FALSE, FOUND, Roots, Values, follow, roots_at
 from ..damage.options import DamagePrior, SearchOptions

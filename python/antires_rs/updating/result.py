@@ -17,9 +17,8 @@ from ..support.progress import one_blas_thread, patient
 from ..support.values import FrozenDict, ReadOnly
 from ..views import Viewed
 from .identifiability import Identifiability, at_solution
-from .model_check import Explained, explained
 from .posterior import Method, ParameterIntervals, ProfileLikelihood, fitted, intervals, profile
-from .problem import UpdatingProblem
+from .problem import Explained, UpdatingProblem, explained
 from .reduced_model import ReductionReport
 from .targets import FrequencyTable, ModalTable
 

@@ -1,7 +1,7 @@
 //! The evidence of a set of at most three elements, from one look.
 //!
 //! ln f is linear in u near a point and all severities are equally probable, so that it is the integral of a
-//! Gaussian times e^(−Σu) over the box of u; see `damage.evidence` of the package.
+//! Gaussian times e^(−Σu) over the box of u; see `damage.inference` of the package.
 //!
 //! # normal
 //!
