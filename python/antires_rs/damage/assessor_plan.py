@@ -174,9 +174,7 @@ def _with_cracks(
     for element, cracks in groupby(cracks_of(prepared, question), key=lambda shape: shape.element):
         step(f"cracks of element {element}")
         own = list(cracks)
-        source = prepared.responses.source(
-            joined(base, own), parameters(parameters_of(base, own)), silent=True
-        )
+        source = responses.source(joined(base, own), parameters(parameters_of(base, own)), silent=True)
         beside = tables[2][prepared.numbers.index(element)]
         for nth, shape in enumerate(own):
             x = np.zeros((LEVELS.size, len(own)))
@@ -517,76 +515,65 @@ class QuickSearch(Search):
     def run(self) -> None:
         """See the base class; then cracks of the likeliest elements."""
         super().run()
-        if self.likelihood.plan.cracks and not self.interrupted:
-            self._crack()
+        plan = self.likelihood.plan
+        if plan.cracks and not self.interrupted:
+            known = self._weights() | {s: rough[0] + self.log_prior(s) for s, rough in self.rough.items()}
+            least = max(known.values()) - _NEAR_CRACKS
+            alone = (s for s in known if len(s) == 1 and not self.outside(s) and known[s] > least)
+            for s in sorted(alone, key=lambda s: -known[s])[:_MOST_CRACKED]:
+                self._crack(s, [k for k, host in enumerate(plan.hosts) if (host,) == s])
 
-    def _crack(self) -> None:
-        """Judge cracks of single elements by the tables, beside the whole element as it was judged."""
-        plan, n = self.likelihood.plan, self.likelihood.n
-        known = self._weights() | {s: rough[0] + self.log_prior(s) for s, rough in self.rough.items()}
-        top = max(known.values())
-        singles = (s for s in known if len(s) == 1 and not self.outside(s) and known[s] > top - _NEAR_CRACKS)
-        near = sorted(singles, key=lambda s: -known[s])[:_MOST_CRACKED]
-        fits = self._cracked([(n + k, host) for k, host in enumerate(plan.hosts) if (host,) in near], top)
-        for s in near:
-            own = [fit for (c,), fit in fits.items() if (plan.hosts[c - n],) == s]
-            k = int(np.argmax([fit.log_evidence for fit in own])) if own else 0
-            if not own or own[k].log_evidence + _CRACK_PRIOR + self.log_prior(s) < top - _LEAST_CRACK:
-                continue
-            more = 0.0
-            if s in self.judged:
-                ((*_, whole, _),) = self.likelihood.test.settle([(list(s), self._u(s).tolist())], 1, 0.0)
-                more = self.fits[s].log_evidence - whole
-            (beta,) = self.likelihood.rows(s, own[k].beta[None])
-            view = self.likelihood._view(
-                beta, self.likelihood.test.look(list(own[k].elements), own[k].u.tolist())
-            )
-            own[k] = replace(own[k], view=view)
-            shapes = [plan.cracks[fit.elements[0] - n] for fit in own]
-            places = [(replace(shape, size=1.0), fit) for shape, fit in zip(shapes, own, strict=True)]
-            total, reach, losses = Crack(places).over_places()
-            rows = [(float(each),) for each in losses]
-            self.shaped.cracked[s] = Shaped("crack", shapes[k].told(reach), total + more, view, *rows)
+    def _crack(self, s: Elements, own: list[int]) -> None:
+        """Judge cracks of an element by the tables, beside the whole element as it was judged."""
+        likelihood, test, u = self.likelihood, self.likelihood.test, self._u(s)
+        shapes = [likelihood.plan.cracks[k] for k in own]
+        top = max(self._weights().values()) - _CRACK_PRIOR - self.log_prior(s)
+        asked = [(likelihood.n + k, shape.size, u) for k, shape in zip(own, shapes, strict=True)]
+        fits = self._cracked(asked, top)
+        if not fits or max(fit.log_evidence for fit in fits.values()) < top - _LEAST_CRACK:
+            return
+        best = max(fits.values(), key=lambda fit: fit.log_evidence)
+        more = 0.0
+        if s in self.judged:
+            more = self.fits[s].log_evidence - test.settle([(list(s), u.tolist())], 1, 0.0)[0][4]
+        (beta,) = likelihood.rows(s, best.beta[None])
+        view = likelihood._view(beta, test.look(list(best.elements), best.u.tolist()))
+        # At all other places it explains next to nothing.
+        rest = replace(best, log_evidence=best.log_evidence - _CRACK_HOPELESS, view=view)
+        every = (fits.get(likelihood.n + k, rest) for k in own)
+        places = [(replace(shape, size=1.0), fit) for shape, fit in zip(shapes, every, strict=True)]
+        total, reach, losses = Crack(
+            [(shape, replace(fit, view=view)) for shape, fit in places]
+        ).over_places()
+        rows = [(float(each),) for each in losses]
+        told = likelihood.plan.cracks[best.elements[0] - likelihood.n].told(reach)
+        self.shaped.cracked[s] = Shaped("crack", told, total + more, view, *rows)
 
-    def _cracked(self, asked: list[tuple[int, int]], top: float) -> dict[Elements, Fit]:
-        """Cracks, by number and element, at their most probable amounts, by the tables; severities are of
-        whole elements. Those that cannot count beside the ``top`` (log probability) are left out."""
-        found: dict[Elements, Fit] = {}
-        test, n = self.likelihood.test, self.likelihood.n
-        starts = test.refine([([c], self._u((host,)).tolist()) for c, host in asked], _CRACK_STEPS)
-        least = min((left for _, left in starts), default=0.0) + _CRACK_HOPELESS
-        ahead: dict[Elements, FloatArray] = {
-            (c,): np.array(u) for (c, _), (u, left) in zip(asked, starts, strict=True) if left < least
-        }
+    def _cracked(self, asked: list[tuple[int, float, FloatArray]], top: float) -> dict[int, Fit]:
+        """Cracks, by number, size and start, at their most probable amounts, by the tables; severities (u)
+        are of whole elements. Those far behind ``top`` (log evidence) are not looked at again."""
+        found: dict[int, Fit] = {}
+        test, view = self.likelihood.test, self.likelihood.start
+        starts = test.refine([([c], u.tolist()) for c, _, u in asked], _CRACK_STEPS)
+        least = min(left for _, left in starts) + _CRACK_HOPELESS
+        pairs = zip(asked, starts, strict=True)
+        ahead = [(c, size, np.array(u)) for (c, size, _), (u, left) in pairs if left < least]
         for _ in range(_CRACK_LOOKS):
-            again: dict[Elements, FloatArray] = {}
-            lists = [(list(s), u.tolist()) for s, u in ahead.items()]
-            for (s, u), seen in zip(ahead.items(), test.settle(lists, 1, 0.0), strict=True):
-                best, size = np.minimum(seen[1], FURTHEST), self.likelihood.plan.cracks[s[0] - n].size
+            asked, ahead = ahead, []
+            settled = test.settle([([c], u.tolist()) for c, _, u in asked], 1, 0.0)
+            for (c, size, u), (_, peak, mean, variance, seen, _) in zip(asked, settled, strict=True):
+                best, known = np.minimum(peak, FURTHEST), found.get(c)
                 # All amounts of a crack are equally probable, not all losses that are as flexible.
-                dense = np.log(size) - 2.0 * np.log(1.0 - np.exp(-best[0]) * (1.0 - size))
-                log_evidence, step_by = seen[4] + float(dense), float(np.abs(best - u).max())
-                known = found.get(s)
-                if step_by <= LINEAR and (known is None or log_evidence > known.log_evidence):
-                    covariance = np.array(seen[3]).reshape(1, 1)
-                    found[s] = Fit(
-                        s,
-                        log_evidence,
-                        -np.expm1(-best),
-                        np.array(seen[2]),
-                        covariance,
-                        self.likelihood.start,
-                    )
-                    behind = log_evidence + _CRACK_PRIOR + self.log_prior((0,)) < top - _LEAST_CRACK
-                    if step_by > _RESTS and not behind:
-                        again[s] = best
+                seen += np.log(size) - 2.0 * np.log(1.0 - np.exp(-best[0]) * (1.0 - size))
+                step_by = best - u
+                if abs(step_by[0]) <= LINEAR and (known is None or seen > known.log_evidence):
+                    rest = np.array(mean), np.array(variance).reshape(1, 1), view
+                    found[c] = Fit((c,), float(seen), -np.expm1(-best), *rest)
+                    if abs(step_by[0]) > _RESTS and seen > top - _LEAST_CRACK:
+                        ahead.append((c, size, best))
                 else:
-                    again[s] = (
-                        u + np.clip(best - u, -_CRACK_STEP, _CRACK_STEP)
-                        if known is None
-                        else 0.5 * (u + known.u)
-                    )
-            ahead = again
+                    further = u + np.clip(step_by, -_CRACK_STEP, _CRACK_STEP)
+                    ahead.append((c, size, further if known is None else 0.5 * (u + known.u)))
         return found
 
     def _pairs(self) -> dict[Elements, FloatArray]:
