@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from itertools import groupby, islice
+from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -152,10 +152,15 @@ def _along_levels(values: FloatArray) -> FloatArray:
     return np.asarray(CubicSpline(LEVELS, values)(LEVELS, 1)) if values.size else values
 
 
-def cracks_of(prepared: Prepared, question: Question) -> list[Shape]:
-    """Those that a full run looks at in the candidates."""
-    cracks, factor = prepared.structure.cracks, prepared.stiffness_factors
-    return [shape for element in question.elements for shape in cracks(element, PLACES, factor)]
+#: Places of cracks in the tables; every other one, but for the ends, is computed, the rest is between these.
+_SHARES = np.linspace(0.0, 1.0, 2 * len(PLACES) + 1)
+
+
+def cracks_of(prepared: Prepared, question: Question) -> list[list[Shape]]:
+    """Of each candidate and axis of bending those at all places."""
+    every = (prepared.structure.cracks(e, _SHARES, prepared.stiffness_factors) for e in question.elements)
+    ways = ((own, len(own) // _SHARES.size) for own in every if len(own) % _SHARES.size == 0)
+    return [own[way::n_ways] for own, n_ways in ways for way in range(n_ways)]
 
 
 def _with_cracks(
@@ -166,32 +171,42 @@ def _with_cracks(
 ) -> list[Any]:
     """Tables of what is there, places, how far beside the model's, and slopes, with rows of cracks behind
     those of elements; roots lie beside the model's as where the whole element is as flexible."""
-    parameters, found = question.model.description.core_parameters, [list(each) for each in tables]
+    from scipy.interpolate import BarycentricInterpolator
+
+    parameters, found = question.model.description.core_parameters, [[each] for each in tables]
     factors = parameters(prepared.factors), prepared.likelihood.factors
-    responses: Any = prepared.responses
     base = Joined(prepared.base.n_dof, prepared.base._core.at(*factors))
+    responses: Any = prepared.responses
     loss = -np.expm1(-LEVELS)
-    for element, cracks in groupby(cracks_of(prepared, question), key=lambda shape: shape.element):
-        step(f"cracks of element {element}")
-        own = list(cracks)
+    for cracks in cracks_of(prepared, question):
+        step(f"cracks of element {cracks[0].element}")
+        own = cracks[1::2]
         source = responses.source(joined(base, own), parameters(parameters_of(base, own)), silent=True)
-        beside = tables[2][prepared.numbers.index(element)]
+        beside = tables[2][prepared.numbers.index(cracks[0].element)]
+        there = np.zeros((len(own), *beside.shape), dtype=bool)
+        place, by_own = np.zeros(there.shape), np.zeros(there.shape)
         for nth, shape in enumerate(own):
             x = np.zeros((LEVELS.size, len(own)))
             x[:, nth] = shape.amount(loss)
             by_u = (1.0 - loss) * shape.size / (loss + (1.0 - loss) * shape.size) ** 2
-            there, place, by_own = np.zeros(beside.shape, dtype=bool), beside.copy(), np.zeros(beside.shape)
             every = roots_at(source, x, slopes=True, threads=prepared.likelihood.threads)
             for level, roots in enumerate(every):
                 slot, root = slots(roots)
-                there[level, slot] = True
-                place[level, slot] += roots.log_f[root]
-                by_own[level, slot] = roots.slopes[root, nth] * by_u[level]
-            whole = there.all(axis=0)
-            by_own[:, whole] += _along_levels(beside[:, whole])
-            for rows, row in zip(found, (there, place, beside, by_own), strict=True):
-                rows.append(row)
-    return [np.array(each) for each in found]
+                there[nth, level, slot] = True
+                place[nth, level, slot] = roots.log_f[root]
+                by_own[nth, level, slot] = roots.slopes[root, nth] * by_u[level]
+        nearest = np.clip((np.arange(_SHARES.size) - 1) // 2, 0, len(own) - 1)
+        rows = [place[nearest], by_own[nearest]]
+        smooth = there.all(axis=0)
+        for row, each in zip(rows, (place, by_own), strict=True):
+            row[:, smooth] = BarycentricInterpolator(PLACES, each[:, smooth])(_SHARES)
+        there, always = there[nearest], there.all(axis=(0, 1))
+        rows[1][:, :, always] += _along_levels(beside[:, always])
+        for table, one in zip(
+            found, (there, rows[0] + beside, np.broadcast_to(beside, there.shape), rows[1]), strict=True
+        ):
+            table.append(one)
+    return [np.concatenate(each) for each in found]
 
 
 def _listed(
@@ -335,7 +350,7 @@ class Plan:
         )  # fmt: skip
 
     @cached_property
-    def cracks(self) -> list[Shape]:
+    def cracks(self) -> list[list[Shape]]:
         """Those in the tables, in their order."""
         asked = len(self.tables.place) > len(self.question.numbers)
         return cracks_of(self.prepared, self.question) if asked else []
@@ -343,7 +358,7 @@ class Plan:
     @cached_property
     def hosts(self) -> list[int]:
         """The element of each."""
-        return [self.question.numbers.index(shape.element) for shape in self.cracks]
+        return [self.question.numbers.index(shape.element) for own in self.cracks for shape in own]
 
     @cached_property
     def alike(self) -> list[list[tuple[int, float]]]:
@@ -491,7 +506,7 @@ _CLOSE, _LAST = 0.4, 2  # sets within this of the likeliest are judged at the en
 #: and the longest step (u).
 _NEAR_CRACKS, _MOST_CRACKED, _LEAST_CRACK = 10.0, 6, 4.0
 _CRACK_STEPS, _CRACK_HOPELESS, _CRACK_LOOKS, _CRACK_STEP = 3, 12.0, 4, 0.3
-_CRACK_PRIOR = float(np.log(CRACKED))
+_CRACK_PRIOR, _CRACK_SHARP = float(np.log(CRACKED)), 4.0  # ln of its prior, and what more places may gain
 
 
 @dataclass
@@ -515,23 +530,28 @@ class QuickSearch(Search):
     def run(self) -> None:
         """See the base class; then cracks of the likeliest elements."""
         super().run()
-        plan = self.likelihood.plan
-        if plan.cracks and not self.interrupted:
+        cracks = self.likelihood.plan.cracks
+        if cracks and not self.interrupted:
             known = self._weights() | {s: rough[0] + self.log_prior(s) for s, rough in self.rough.items()}
             least = max(known.values()) - _NEAR_CRACKS
             alone = (s for s in known if len(s) == 1 and not self.outside(s) and known[s] > least)
             for s in sorted(alone, key=lambda s: -known[s])[:_MOST_CRACKED]:
-                self._crack(s, [k for k, host in enumerate(plan.hosts) if (host,) == s])
+                for nth, own in enumerate(cracks):
+                    if self.likelihood.plan.hosts[nth * len(own)] == s[0]:
+                        self._crack(s, self.likelihood.n + nth * len(own), own)
 
-    def _crack(self, s: Elements, own: list[int]) -> None:
-        """Judge cracks of an element by the tables, beside the whole element as it was judged."""
+    def _crack(self, s: Elements, first: int, shapes: list[Shape]) -> None:
+        """Judge cracks of an element, the first one's number given, by the tables, beside the whole element as
+        it was judged."""
         likelihood, test, u = self.likelihood, self.likelihood.test, self._u(s)
-        shapes = [likelihood.plan.cracks[k] for k in own]
         top = max(self._weights().values()) - _CRACK_PRIOR - self.log_prior(s)
-        asked = [(likelihood.n + k, shape.size, u) for k, shape in zip(own, shapes, strict=True)]
+        asked = [(first + k, shapes[k].size, u) for k in range(1, len(shapes), 2)]
         fits = self._cracked(asked, top)
-        if not fits or max(fit.log_evidence for fit in fits.values()) < top - _LEAST_CRACK:
+        if not fits or max(fit.log_evidence for fit in fits.values()) < top - _LEAST_CRACK - _CRACK_SHARP:
             return
+        best = max(fits.values(), key=lambda fit: fit.log_evidence)
+        (k,) = best.elements
+        fits |= self._cracked([(other, shapes[other - first].size, best.u) for other in (k - 1, k + 1)], top)
         best = max(fits.values(), key=lambda fit: fit.log_evidence)
         more = 0.0
         if s in self.judged:
@@ -539,15 +559,18 @@ class QuickSearch(Search):
         (beta,) = likelihood.rows(s, best.beta[None])
         view = likelihood._view(beta, test.look(list(best.elements), best.u.tolist()))
         # At all other places it explains next to nothing.
-        rest = replace(best, log_evidence=best.log_evidence - _CRACK_HOPELESS, view=view)
-        every = (fits.get(likelihood.n + k, rest) for k in own)
-        places = [(replace(shape, size=1.0), fit) for shape, fit in zip(shapes, every, strict=True)]
-        total, reach, losses = Crack(
-            [(shape, replace(fit, view=view)) for shape, fit in places]
-        ).over_places()
+        rest = replace(best, log_evidence=best.log_evidence - _CRACK_HOPELESS)
+        every = {
+            c: replace(fits.get(c, rest), view=view)
+            for c in {*fits, *(first + k for k in range(1, len(shapes), 2))}
+        }
+        places = [(replace(shapes[c - first], size=1.0), fit) for c, fit in every.items()]
+        total, reach, losses = Crack(places).over_places()
         rows = [(float(each),) for each in losses]
-        told = likelihood.plan.cracks[best.elements[0] - likelihood.n].told(reach)
-        self.shaped.cracked[s] = Shaped("crack", told, total + more, view, *rows)
+        told = shapes[best.elements[0] - first].told(reach)
+        known = self.shaped.cracked.get(s)
+        if known is None or total + more > known.log_evidence:
+            self.shaped.cracked[s] = Shaped("crack", told, total + more, view, *rows)
 
     def _cracked(self, asked: list[tuple[int, float, FloatArray]], top: float) -> dict[int, Fit]:
         """Cracks, by number, size and start, at their most probable amounts, by the tables; severities (u)
@@ -555,7 +578,7 @@ class QuickSearch(Search):
         found: dict[int, Fit] = {}
         test, view = self.likelihood.test, self.likelihood.start
         starts = test.refine([([c], u.tolist()) for c, _, u in asked], _CRACK_STEPS)
-        least = min(left for _, left in starts) + _CRACK_HOPELESS
+        least = min(left for _, left in starts) + 1.5 * _CRACK_HOPELESS
         pairs = zip(asked, starts, strict=True)
         ahead = [(c, size, np.array(u)) for (c, size, _), (u, left) in pairs if left < least]
         for _ in range(_CRACK_LOOKS):
@@ -569,7 +592,7 @@ class QuickSearch(Search):
                 if abs(step_by[0]) <= LINEAR and (known is None or seen > known.log_evidence):
                     rest = np.array(mean), np.array(variance).reshape(1, 1), view
                     found[c] = Fit((c,), float(seen), -np.expm1(-best), *rest)
-                    if abs(step_by[0]) > _RESTS and seen > top - _LEAST_CRACK:
+                    if abs(step_by[0]) > _RESTS and seen > top - _LEAST_CRACK - _CRACK_SHARP:
                         ahead.append((c, size, best))
                 else:
                     further = u + np.clip(step_by, -_CRACK_STEP, _CRACK_STEP)
