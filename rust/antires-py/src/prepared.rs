@@ -263,14 +263,8 @@ impl PreparedTest {
         guarded(py, || {
             let of = |(e, u): &(Vec<usize>, Vec<f64>)| {
                 let found = settled(&t, &test, e, u, (looks, rests));
-                (
-                    found.u,
-                    found.seen.u,
-                    found.seen.mean,
-                    found.seen.covariance,
-                    found.seen.log,
-                    found.log_likelihood,
-                )
+                let seen = found.seen;
+                (found.u, seen.u, seen.mean, seen.covariance, seen.log, found.log_likelihood)
             };
             Ok(sets.iter().map(of).collect())
         })
