@@ -211,7 +211,8 @@ def test_an_assessor_finds_the_crack_from_its_tables():
     best, full = (
         one.hypotheses[0] for one in (assessor.assess(now), ar.assess_damage(PLAIN, now, baseline=before))
     )
-    assert best.kind == full.kind == "crack" and best.elements == full.elements == (3,)
+    assert best.kind == full.kind == "crack"
+    assert best.elements == full.elements == (3,)
     assert abs(best.severities[0] - full.severities[0]) < 0.05
     plan = assessor._plan
     likelihood = shape_search.with_shapes(plan.prepared, plan.question, plan.cracks[3])
@@ -220,7 +221,8 @@ def test_an_assessor_finds_the_crack_from_its_tables():
     shown = plan.tables.there[3].all(axis=0) & plan.tables.there[10 + 3 * 11 + 4].all(axis=0)
     expected = CubicSpline(LEVELS, row[:, shown])(-np.log1p(-loss))
     apart = np.abs(roots.log_f[:, None] - expected).min(axis=0)
-    assert shown.sum() > 5 and apart.max() < 1e-4
+    assert shown.sum() > 5
+    assert apart.max() < 1e-4
 
 
 def test_cracks_have_the_same_intervals_by_either_method_and_no_profile():

@@ -541,8 +541,8 @@ class QuickSearch(Search):
                         self._crack(s, self.likelihood.n + nth * len(own), own)
 
     def _crack(self, s: Elements, first: int, shapes: list[Shape]) -> None:
-        """Judge cracks of an element, whose first has this number, by the tables, beside the whole element as it
-        was judged."""
+        """Judge cracks of an element, the first one's number given, by the tables, beside the whole element
+        as it was judged."""
         likelihood, test, u = self.likelihood, self.likelihood.test, self._u(s)
         top = max(self._weights().values()) - _CRACK_PRIOR - self.log_prior(s)
         asked = [(first + k, shapes[k].size, u) for k in range(1, len(shapes), 2)]
