@@ -26,7 +26,7 @@ from ..support.progress import one_blas_thread, patient, waiting
 from ..support.values import FrozenDict, ReadOnly
 from ..updating.identifiability import smallest_visible
 from ..updating.problem import DamagePenalty, Explained, Measured, UpdatingProblem, explained
-from ..updating.reduced_model import ReductionReport
+from ..updating.reduced_model import LARGE, ReductionReport
 from ..updating.result import UpdateResult
 from ..updating.targets import sets_of
 from ..updating.update import search as find
@@ -98,7 +98,11 @@ def question_of(
         got = "no mode" if modes else "no antiresonance"
         reject("baseline", got, "those of the intact structure", "Identify in a wider band.")
     UpdatingProblem(model, stiffness_reduction(elements), now)  # speaks up where they do not fit
-    reduced = options.reduces(model.n_dof, modes)
+    reduced = bool(options.reduction)
+    if options.reduction == "auto":
+        reduced = model.n_dof > LARGE and not modes
+    elif reduced and modes:
+        reject("reduction", "a reduced model, but modes were measured", "antiresonances", "Leave it out.")
     return Question(model, before, now, tuple(elements), believed, options, reduced=reduced)
 
 

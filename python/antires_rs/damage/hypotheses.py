@@ -324,23 +324,21 @@ def without_idle(found: Assessment) -> Assessment:
         smaller[0] = replace(first, elements=(), severities=(), low=(), high=())
     if smaller == rows:
         return found
-    merged = {_what(less): less for less in reversed(smaller)} | {_what(one): one for one in rows}
+    what, less = (  # elements, or what else has changed
+        [(one.elements, one.place if one.unknown else "") for one in own] for own in (rows, smaller)
+    )
+    merged = dict(zip(reversed(less), reversed(smaller), strict=True)) | dict(zip(what, rows, strict=True))
     share: dict[tuple[Any, ...], float] = {}
-    for one, less in zip(rows, smaller, strict=True):
-        share[_what(less)] = share.get(_what(less), 0.0) + one.probability
-    summed = {what: replace(merged[what], probability=p) for what, p in share.items()}
-    of = {_what(one): summed[_what(less)] for one, less in zip(rows, smaller, strict=True)}
-    first, declared = of[_what(rows[0])], of.get((found.declared,))
+    for one, key in zip(rows, less, strict=True):
+        share[key] = share.get(key, 0.0) + one.probability
+    summed = {key: replace(merged[key], probability=p) for key, p in share.items()}
+    of = {key: summed[smaller_key] for key, smaller_key in zip(what, less, strict=True)}
+    first, declared = of[what[0]], of.get((found.declared, ""))
     ordered = sorted(summed.values(), key=lambda one: (one is not first, -one.probability, one.elements))
-    group = tuple([*dict.fromkeys(of[_what(one)] for one in found.group)] or together(ordered))
+    group = tuple([*dict.fromkeys(of[one.elements, ""] for one in found.group)] or together(ordered))
     named = Hypotheses(ordered, found.hypotheses._names)
     kept = found.declared if declared is None else declared.elements
     return replace(found, hypotheses=named, group=group, declared=kept)
-
-
-def _what(one: Hypothesis) -> tuple[Any, ...]:
-    """Elements, or what else has changed."""
-    return (one.elements, one.place) if one.unknown else (one.elements,)
 
 
 def _smaller(one: Hypothesis, beside: float) -> Hypothesis:

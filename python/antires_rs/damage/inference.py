@@ -167,28 +167,20 @@ class Fit:
     covariance: FloatArray
     view: View
 
-    def interval(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
-        """Quantiles of one severity, given the set, as :meth:`sides` has them."""
-        _, (low, high) = self._between(nth, shares)
-        return -float(np.expm1(-low)), -float(np.expm1(-high))
-
-    def sides(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
-        """Shares between whose quantiles the likeliest severity is, else as much from the nearer bound on."""
-        return self._between(nth, shares)[0]
-
-    def _between(
+    def interval(
         self, nth: int, shares: tuple[float, float]
     ) -> tuple[tuple[float, float], tuple[float, float]]:
-        """These shares and their quantiles of u."""
+        """Quantiles of one severity, given the set, and their shares: those asked for if the likeliest
+        severity is between them, else as much from the nearer bound on."""
         low, high = self._quantiles(nth, shares)
         best, whole = self.u[nth], shares[1] - shares[0]
         if best <= 0.0 or best < low:
             shares = 0.0, whole
+            low, high = self._quantiles(nth, shares)
         elif best > high:
             shares = 1.0 - whole, 1.0
-        else:
-            return shares, (low, high)
-        return shares, self._quantiles(nth, shares)
+            low, high = self._quantiles(nth, shares)
+        return (-float(np.expm1(-low)), -float(np.expm1(-high))), shares
 
     @property
     def u(self) -> FloatArray:
@@ -307,7 +299,11 @@ class Search:
         try:
             for size in range(1, min(LARGEST, self.n_candidates) + 1):
                 step(f"sets of {size}")
-                if self._ends_before(size):
+                # Nothing is left to explain, and no single element may be missing from the answer because it
+                # was not looked at; pairs are, unless slopes are trusted to show them.
+                looked = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
+                looked &= (self.ends_by_slopes and size > 1) or len(self._likeliest.elements) < size
+                if looked and self._explains(_PAIR_GAIN if size == 2 else _GAIN):
                     break
                 self._refine(self._starts(size))
                 if size == 2 and not self._any():
@@ -316,13 +312,6 @@ class Search:
             self._renew()
         except KeyboardInterrupt:
             self.interrupted = True
-
-    def _ends_before(self, size: int) -> bool:
-        """Whether the likeliest set explains the values, and others of its size were looked at."""
-        # No single element may be missing from the answer because it was not looked at.
-        singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
-        seen = (self.ends_by_slopes and size > 1) or len(self._likeliest.elements) < size
-        return singles and seen and self._explains(_PAIR_GAIN if size == 2 else _GAIN)
 
     def _any(self) -> bool:
         """Whether some set is more probable than a change that has nothing to do with elements."""
@@ -733,7 +722,11 @@ def smallest_found(
     against = prior.log_of(0, n) - prior.log_of(1, n) + np.log(size * HIGHEST / np.sqrt(2.0 * np.pi))
     # Height of a loss over its standard deviation, and how much less probable no damage is there.
     height = np.geomspace(0.5, 500.0, _HEIGHTS)
-    worth = _log_likelihood(np.array([float(m)]), m) - _log_likelihood(m + height**2, m)
+    chi_square = np.append(0.0, height**2) + m
+    times, share = np.array([each[1:] for each in ERRORS]).T  # errors as they may be: multiples of the stated
+    logs = np.log(share) - m * np.log(times) - 0.5 * chi_square[:, None] / times**2
+    probable = np.logaddexp.reduce(logs, axis=1)
+    worth = probable[0] - probable[1:]
     least = np.interp(np.maximum(against, 0.0), worth, height)
     unit = slopes / size
     alike = np.clip(unit.T @ unit, -1.0, 1.0)
@@ -754,13 +747,6 @@ def smallest_found(
         if shown[-1] >= _NINE_OF_TEN:
             found[e] = np.interp(_NINE_OF_TEN, shown, height) / size[e]
     return np.where(_BESIDES * found <= HIGHEST, _BESIDES * found, np.inf)
-
-
-def _log_likelihood(chi_square: FloatArray, m: int) -> FloatArray:
-    """Of m values with errors as they may be: multiples of those stated."""
-    times, share = np.array([each[1:] for each in ERRORS]).T
-    logs = np.log(share) - m * np.log(times) - 0.5 * chi_square[:, None] / times**2
-    return np.asarray(np.logaddexp.reduce(logs, axis=1))
 
 
 # -- The answers of a search on reduced models, judged anew where full and reduced model agree
@@ -901,7 +887,7 @@ def posterior(
             row = Hypothesis(own, probability, *losses, own != UNKNOWN, kind=one.kind, place=one.place)
         else:
             fit = search.fits[elements]
-            ends = [fit.interval(nth, SHARES) for nth in range(len(elements))]
+            ends = [fit.interval(nth, SHARES)[0] for nth in range(len(elements))]
             low, high = (tuple(end[side] for end in ends) for side in (0, 1))
             row = Hypothesis(
                 own, probability, tuple(fit.beta.tolist()), low, high, not search.outside(elements)

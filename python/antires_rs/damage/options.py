@@ -12,7 +12,6 @@ import numpy as np
 from ..exceptions import reject
 from ..support.checks import finite_scalar
 from ..support.options import Options, documented, option
-from ..updating.reduced_model import LARGE
 
 #: Scopes of options: two states that are compared, or one state and the model.
 TWO_STATES, ONE_STATE = "with a baseline", "without a baseline"
@@ -113,14 +112,6 @@ class SearchOptions(Options):
                 reject("environment", self.environment, f"a tuple of some of {known}", remedy)
             return replace(self, environment=tuple(given)).checked()
         return self.checked()
-
-    def reduces(self, n_dof: int, modes: bool) -> bool:
-        """Whether to seek the roots of a model of so many dofs on reduced ones."""
-        if self.reduction == "auto":
-            return n_dof > LARGE and not modes
-        if self.reduction and modes:
-            reject("reduction", "a reduced model, but modes were measured", "antiresonances", "Leave it out.")
-        return bool(self.reduction)
 
     def held(self, scope: str) -> dict[str, Any]:
         """Every option that counts by name, in plain data."""

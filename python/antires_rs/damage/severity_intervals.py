@@ -272,12 +272,12 @@ def severity_intervals(
         values = part.resampled(draws, rng)
         central = 0.5 - 0.5 * level, 0.5 + 0.5 * level
         for nth, e in enumerate(declared.elements):
-            at, shares = column[e], fit.sides(nth, central)
+            at, (quick, shares) = column[e], fit.interval(nth, central)
             own_draws[:, at] = values[:, nth]
             upper = f"up to {HIGHEST:g}" if shares[1] == 1.0 else "two-sided"
             words[at] = "from 0 on" if shares[0] == 0.0 else upper
             drawn_ends = sure and not declared.place
-            low[at], high[at] = part.quantiles(nth, shares) if drawn_ends else fit.interval(nth, central)
+            low[at], high[at] = part.quantiles(nth, shares) if drawn_ends else quick
             # As the assessment has it, from where its search came to rest.
             if not drawn_ends and level == LEVEL:
                 low[at], high[at] = declared.low[nth], declared.high[nth]

@@ -340,7 +340,7 @@ def _singles(
 
 def _beside(shape: Shape, fit: Fit, log_prior: float) -> Shaped:
     """What is in no element."""
-    low, high = fit.interval(0, SHARES)
+    low, high = fit.interval(0, SHARES)[0]
     if shape.kind == "mass":
         kg = [shape.size * beta for beta in (float(fit.beta[0]), low, high)]
         place = f"{kg[0]:.3g} kg ({kg[1]:.3g} to {kg[2]:.3g}) added at {shape.name or f'node {shape.node}'}"
@@ -420,7 +420,7 @@ def _doubles(
         for nth in (0, 1):
             part, fit = parts[nth], refitted(fit.view, fit.elements[::-1] if nth else fit.elements)
             if not isinstance(part, Shape):
-                rows[part] = (float(fit.beta[0]), *fit.interval(0, SHARES))
+                rows[part] = (float(fit.beta[0]), *fit.interval(0, SHARES)[0])
                 continue
             crack = Crack([(part, fit)], parts[1 - nth])
             if near:

@@ -42,7 +42,7 @@ class Kind(NamedTuple):
 
 #: Their terms are sections, which may have names; they move nodes; of these, those that have a pivot.
 OF_SECTIONS = ("youngs_modulus", "density", "thickness", "diameter")
-_MOVES, _ABOUT_A_NODE = ("angle", "length", "position"), ("angle", "length")
+MOVES, _ABOUT_A_NODE = ("angle", "length", "position"), ("angle", "length")
 
 KINDS: dict[Quantity, Kind] = {
     "stiffness_reduction": Kind("stiffness loss", "", "elements", excluded=False, nominal=0.0),
@@ -131,7 +131,7 @@ class Parameter:
         """
         if self.quantity == "stiffness_reduction":
             return value - 1.0
-        return 0.0 if self.quantity in ("thickness", "diameter", *_MOVES) else value
+        return 0.0 if self.quantity in ("thickness", "diameter", *MOVES) else value
 
 
 def parameter_tuple(parameters: Any) -> tuple[Parameter, ...]:
@@ -147,25 +147,6 @@ def parameter_tuple(parameters: Any) -> tuple[Parameter, ...]:
         if not isinstance(parameter, Parameter):
             reject(("parameters", i), parameter, wanted, "Join lists with +, without nesting them.")
     return chosen
-
-
-def core_parameters(
-    section_index: Callable[[int | str], int], parameters: Iterable[Parameter]
-) -> list[CoreParameter]:
-    """Parameters as the core takes them, the names of sections resolved, none listed twice."""
-    parts: list[CoreParameter] = []
-    for p in parameters:
-        moves = (p.pivot or 0, p.axis) if p.quantity in _MOVES else None
-        indices = [term if isinstance(term, int) else section_index(term) for term in p.terms]
-        parts.append((p.quantity, indices, p.relative, moves))
-    acting: list[Any] = []
-    for quantity, terms, _, moves in parts:  # several angles, lengths and positions may move one node
-        acting += [(quantity, moves, tuple(terms))] if moves else [(quantity, term) for term in terms]
-    twice = {pair for pair in acting if acting.count(pair) > 1}
-    if twice:
-        got = f"{sorted(twice)} more than once"
-        reject("parameters", got, "each quantity of a term once", "Leave one of the two parameters out.")
-    return parts
 
 
 def _term(quantity: Quantity, name: Name, term: Any) -> int | str:

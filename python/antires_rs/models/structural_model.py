@@ -29,7 +29,7 @@ from ..support.messages import some, warn
 from ..support.progress import interruptible, patient, step
 from ..support.values import AroundCore, Value
 from .matrices import Columns, as_sparse, check_room_for_all_modes
-from .parameters import CoreParameter, Parameter, core_parameters, parameter_tuple
+from .parameters import MOVES, CoreParameter, Parameter, parameter_tuple
 from .recipes import ChainRecipe, FrameRecipe, MatrixRecipe
 
 # -- One description of a model, by which it is built, copied, pickled and saved, to the same bits
@@ -44,18 +44,6 @@ class AppliedParameters(Value):
     parameters: tuple[Parameter, ...]
     values: FloatArray
 
-    @classmethod
-    def checked(cls, parameters: Any, values: Any) -> AppliedParameters:
-        """Of what a caller gave: one finite value for each parameter."""
-        chosen = parameter_tuple(parameters)
-        n = len(chosen)
-        wanted = f"an array ({n},), one value for each parameter"
-        vector = np.atleast_1d(real_array("values", values, ndim=None, wanted=wanted))
-        if vector.shape != (n,):
-            got = f"an array of shape {np.shape(values)}"
-            reject("values", got, wanted, "Give a value for each parameter, in their order.")
-        return cls(chosen, vector)
-
 
 @dataclass(frozen=True, eq=False)
 class ModelDescription(Value):
@@ -65,8 +53,20 @@ class ModelDescription(Value):
     applied: tuple[AppliedParameters, ...] = ()
 
     def core_parameters(self, parameters: Iterable[Parameter]) -> list[CoreParameter]:
-        """Parameters as the core takes them."""
-        return core_parameters(self.recipe.section_index, parameters)
+        """Parameters as the core takes them, the names of sections resolved, none listed twice."""
+        parts: list[CoreParameter] = []
+        for p in parameters:
+            moves = (p.pivot or 0, p.axis) if p.quantity in MOVES else None
+            indices = [t if isinstance(t, int) else self.recipe.section_index(t) for t in p.terms]
+            parts.append((p.quantity, indices, p.relative, moves))
+        acting: list[Any] = []
+        for quantity, terms, _, moves in parts:  # several angles, lengths and positions may move one node
+            acting += [(quantity, moves, tuple(terms))] if moves else [(quantity, term) for term in terms]
+        twice = {pair for pair in acting if acting.count(pair) > 1}
+        if twice:
+            got = f"{sorted(twice)} more than once"
+            reject("parameters", got, "each quantity of a term once", "Leave one of the two parameters out.")
+        return parts
 
     def core(self, made: CoreModel | None = None) -> CoreModel:
         """The core's model, from nothing but this description, or from what its recipe ``made``."""
@@ -176,7 +176,13 @@ class StructuralModel(AroundCore[CoreModel]):
         array([[ 300., -300.],
                [-300.,  300.]])
         """
-        applied, before = AppliedParameters.checked(parameters, values), self._description
+        chosen, before = parameter_tuple(parameters), self._description
+        wanted = f"an array ({len(chosen)},), one value for each parameter"
+        vector = np.atleast_1d(real_array("values", values, ndim=None, wanted=wanted))
+        if vector.shape != (len(chosen),):
+            got = f"an array of shape {np.shape(values)}"
+            reject("values", got, wanted, "Give a value for each parameter, in their order.")
+        applied = AppliedParameters(chosen, vector)
         model = object.__new__(type(self))
         after = ModelDescription(before.recipe, (*before.applied, applied))
         model._build(after, before.applied_to(self._core, applied))

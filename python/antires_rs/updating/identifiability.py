@@ -119,7 +119,8 @@ def _standard_deviations(problem: UpdatingProblem, x: FloatArray, jacobian: Floa
 
 def smallest_visible(problem: UpdatingProblem) -> list[float]:
     """Smallest value of each stiffness reduction that the objective prefers to no damage, on exact data."""
-    loss, element = problem.penalty.prices if problem.penalty else (0.0, 0.0)
+    penalty = problem.penalty
+    loss, element = (penalty.gamma1, penalty.gamma2) if penalty else (0.0, 0.0)
     moved = [problem.model_at(STEP * unit) for unit in np.eye(len(problem.parameters))]
     exact = problem._targets.exact(problem.model, problem.paired_hz(problem.nominal), moved)
 

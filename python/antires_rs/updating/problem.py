@@ -56,11 +56,6 @@ class DamagePenalty:
         finite_scalar("snap", self.snap, low=0.0, high=1e-3)
 
     @property
-    def prices(self) -> tuple[float, float]:
-        """Of a unit of loss, and of each damaged element."""
-        return self.gamma1, self.gamma2
-
-    @property
     def text(self) -> str:
         """The prices by name."""
         return f"gamma1 = {self.gamma1:.3g} and gamma2 = {self.gamma2:.3g}"
@@ -236,8 +231,10 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     @property
     def _weighing(self) -> tuple[Misfit, tuple[float, float] | None, float, FloatArray | None]:
         """How the core weighs residuals and damage: misfit, prices, snap, weights."""
-        prices, snap = (None, 0.0) if self.penalty is None else (self.penalty.prices, self.penalty.snap)
-        return self.misfit, prices, snap, self.weights
+        penalty = self.penalty
+        if penalty is None:
+            return self.misfit, None, 0.0, self.weights
+        return self.misfit, (penalty.gamma1, penalty.gamma2), penalty.snap, self.weights
 
     @property
     def names(self) -> list[str]:
