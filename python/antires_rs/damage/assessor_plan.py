@@ -158,7 +158,9 @@ _SHARES = np.linspace(0.0, 1.0, 2 * len(PLACES) + 1)
 
 def cracks_of(prepared: Prepared, question: Question) -> list[list[Shape]]:
     """Of each candidate and axis of bending those at all places."""
-    every = (prepared.structure.cracks(e, _SHARES, prepared.stiffness_factors) for e in question.elements)
+    every = (
+        prepared.structure.cracks(e, _SHARES.tolist(), prepared.stiffness_factors) for e in question.elements
+    )
     ways = ((own, len(own) // _SHARES.size) for own in every if len(own) % _SHARES.size == 0)
     return [own[way::n_ways] for own, n_ways in ways for way in range(n_ways)]
 
