@@ -6,9 +6,11 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 import antires_rs as ar
 from antires_rs.damage import shape_search
+from antires_rs.damage.assessor_plan import LEVELS
 from antires_rs.damage.likelihood import surroundings
 from antires_rs.damage.shapes import structure_of
 from antires_rs.models.matrices import as_sparse
@@ -228,6 +230,27 @@ def test_what_springs_yield_is_learned_from_the_baseline():
     assert result.damaged == [2]
     assert result.assessment.factor_std < 0.02
     assert result.severity[2] == pytest.approx(0.25, abs=0.02)
+
+
+def test_an_assessor_finds_the_crack_from_its_tables():
+    rng = np.random.default_rng(0)
+    before, now = measured(PLAIN, rng), measured(cracked(3, 0.2, 0.3), rng)
+    assessor = ar.Assessor(PLAIN, baseline=before)
+    best, full = (
+        one.hypotheses[0] for one in (assessor.assess(now), ar.assess_damage(PLAIN, now, baseline=before))
+    )
+    assert best.kind == full.kind == "crack"
+    assert best.elements == full.elements == (3,)
+    assert abs(best.severities[0] - full.severities[0]) < 0.05
+    plan = assessor._plan
+    likelihood = shape_search.with_shapes(plan.prepared, plan.question, plan.cracks[3])
+    (roots,) = likelihood.roots(np.pad([0.0] * 4 + [0.5], (10, 6))[None], slopes=False)
+    row, loss = plan.tables.place[10 + 3 * 11 + 4] - plan.tables.beside[3], plan.cracks[3][4].loss(0.5)
+    shown = plan.tables.there[3].all(axis=0) & plan.tables.there[10 + 3 * 11 + 4].all(axis=0)
+    expected = CubicSpline(LEVELS, row[:, shown])(-np.log1p(-loss))
+    apart = np.abs(roots.log_f[:, None] - expected).min(axis=0)
+    assert shown.sum() > 5
+    assert apart.max() < 1e-4
 
 
 def test_cracks_have_the_same_intervals_by_either_method_and_no_profile():

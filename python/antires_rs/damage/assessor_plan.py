@@ -5,8 +5,8 @@ Sets are found in the tables; those that may be the answer are judged by the lik
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from itertools import islice
 from typing import Any, NamedTuple
@@ -46,7 +46,18 @@ from .likelihood import (
     View,
     rows_of,
 )
-from .measured_states import Column, Responses, Roots, Values, note_of_same_data, same_data, values_of
+from .measured_states import (
+    Column,
+    Responses,
+    Roots,
+    Values,
+    note_of_same_data,
+    roots_at,
+    same_data,
+    values_of,
+)
+from .shape_search import Crack
+from .shapes import CRACKED, PLACES, Joined, Shape, Shaped, joined, parameters_of
 
 # -- The model's antiresonances over the severity of each element, computed once
 
@@ -63,24 +74,23 @@ Single = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Tables:
-    """Roots (r,), ascending by response, at levels (l,) of u of each element (n,)."""
+    """Roots (r,), ascending by response, at levels (l,) of u of each element (n,), and of cracks behind them,
+    at levels of the loss of a whole element that is as flexible: (k,) in all."""
 
     response: NDArray[np.intp]
     seen: NDArray[np.bool_]  # by the baseline, (r,)
     identity: NDArray[np.intp]  # number among all intact roots, -1 for one that only damage makes, (r,)
     intact: FloatArray  # ln f in the undamaged model, (r,)
-    there: NDArray[np.bool_]  # whether the model has it, (n, l, r)
-    place: FloatArray  # ln f expected in the measured structure, (n, l, r)
+    there: NDArray[np.bool_]  # whether the model has it, (k, l, r)
+    place: FloatArray  # ln f expected in the measured structure, (k, l, r)
     beside: FloatArray  # how far that is from the model's
     by_own: FloatArray  # its slope by u of the element
     slopes: Single  # of ln f by all u, (n, l, r, n)
     errors: Single  # what multiplies q independent errors of the model, of variance 1, (n, l, r, q)
 
 
-def tables_of(prepared: Prepared) -> Tables:
+def tables_of(prepared: Prepared, question: Question) -> Tables:
     """The tables of a model after its baseline."""
-    from scipy.interpolate import CubicSpline
-
     likelihood, error = prepared.likelihood, prepared.likelihood.error
     n, intact = likelihood.n, error.intact
     at: list[list[tuple[Roots, NDArray[np.intp]]]] = []  # roots, and which of the intact ones they have been
@@ -115,9 +125,14 @@ def tables_of(prepared: Prepared) -> Tables:
         rows[e, level, slot] = np.hstack([by_errors @ factor, by_theta @ ambient])
     by_own = slopes[np.arange(n), :, :, np.arange(n)].astype(np.float64)
     for e in range(n):
-        whole = there[e].all(axis=0)
-        if whole.any():
-            by_own[e][:, whole] += CubicSpline(LEVELS, beside[e][:, whole])(LEVELS, 1)
+        always = there[e].all(axis=0)
+        by_own[e][:, always] += _along_levels(beside[e][:, always])
+
+    def slots(roots: Roots) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        return _slots(identity_of, response, *roots.since(intact), low, high)
+
+    whole = there, log_f + beside, beside, by_own
+    there, place, beside, by_own = _with_cracks(prepared, question, slots, whole)
     # The same products of rows in fewer columns.
     flat = rows.reshape(-1, n_errors)
     sizes, vectors = np.linalg.eigh(flat.T @ flat)
@@ -126,8 +141,74 @@ def tables_of(prepared: Prepared) -> Tables:
     was = identity_of >= 0
     return Tables(
         response, was & error.seen[identity_of], identity_of, np.where(was, intact.log_f[identity_of], 0.0),
-        there, log_f + beside, beside, by_own, slopes, errors.reshape(*shape, -1),
+        there, place, beside, by_own, slopes, errors.reshape(*shape, -1),
     )  # fmt: skip
+
+
+def _along_levels(values: FloatArray) -> FloatArray:
+    """Slopes by u of what is there at all levels, (l, r)."""
+    from scipy.interpolate import CubicSpline
+
+    return np.asarray(CubicSpline(LEVELS, values)(LEVELS, 1)) if values.size else values
+
+
+#: Places of cracks in the tables; every other one, but for the ends, is computed, the rest is between these.
+_SHARES = np.linspace(0.0, 1.0, 2 * len(PLACES) + 1)
+
+
+def cracks_of(prepared: Prepared, question: Question) -> list[list[Shape]]:
+    """Of each candidate and axis of bending those at all places."""
+    every = (
+        prepared.structure.cracks(e, _SHARES.tolist(), prepared.stiffness_factors) for e in question.elements
+    )
+    ways = ((own, len(own) // _SHARES.size) for own in every if len(own) % _SHARES.size == 0)
+    return [own[way::n_ways] for own, n_ways in ways for way in range(n_ways)]
+
+
+def _with_cracks(
+    prepared: Prepared,
+    question: Question,
+    slots: Callable[[Roots], tuple[NDArray[np.intp], NDArray[np.intp]]],
+    tables: tuple[NDArray[np.bool_], FloatArray, FloatArray, FloatArray],
+) -> list[Any]:
+    """Tables of what is there, places, how far beside the model's, and slopes, with rows of cracks behind
+    those of elements; roots lie beside the model's as where the whole element is as flexible."""
+    from scipy.interpolate import BarycentricInterpolator
+
+    parameters, found = question.model.description.core_parameters, [[each] for each in tables]
+    factors = parameters(prepared.factors), prepared.likelihood.factors
+    base = Joined(prepared.base.n_dof, prepared.base._core.at(*factors))
+    responses: Any = prepared.responses
+    loss = -np.expm1(-LEVELS)
+    for cracks in cracks_of(prepared, question):
+        step(f"cracks of element {cracks[0].element}")
+        own = cracks[1::2]
+        source = responses.source(joined(base, own), parameters(parameters_of(base, own)), silent=True)
+        beside = tables[2][prepared.numbers.index(cracks[0].element)]
+        there = np.zeros((len(own), *beside.shape), dtype=bool)
+        place, by_own = np.zeros(there.shape), np.zeros(there.shape)
+        for nth, shape in enumerate(own):
+            x = np.zeros((LEVELS.size, len(own)))
+            x[:, nth] = shape.amount(loss)
+            by_u = (1.0 - loss) * shape.size / (loss + (1.0 - loss) * shape.size) ** 2
+            every = roots_at(source, x, slopes=True, threads=prepared.likelihood.threads)
+            for level, roots in enumerate(every):
+                slot, root = slots(roots)
+                there[nth, level, slot] = True
+                place[nth, level, slot] = roots.log_f[root]
+                by_own[nth, level, slot] = roots.slopes[root, nth] * by_u[level]
+        nearest = np.clip((np.arange(_SHARES.size) - 1) // 2, 0, len(own) - 1)
+        rows = [place[nearest], by_own[nearest]]
+        smooth = there.all(axis=0)
+        for row, each in zip(rows, (place, by_own), strict=True):
+            row[:, smooth] = BarycentricInterpolator(PLACES, each[:, smooth])(_SHARES)
+        there, always = there[nearest], there.all(axis=(0, 1))
+        rows[1][:, :, always] += _along_levels(beside[:, always])
+        for table, one in zip(
+            found, (there, rows[0] + beside, np.broadcast_to(beside, there.shape), rows[1]), strict=True
+        ):
+            table.append(one)
+    return [np.concatenate(each) for each in found]
 
 
 def _listed(
@@ -267,8 +348,19 @@ class Plan:
         return _core.PreparedTables(
             c(LEVELS), c(t.response), c(t.seen), c(t.identity >= 0), c(t.intact), c(t.there), c(t.place),
             c(t.beside), c(t.by_own), c(t.slopes), c(np.moveaxis(t.slopes, 3, 0)), c(t.errors),
-            undamaged @ undamaged.T, self.learned.tau**2,
+            undamaged @ undamaged.T, np.array(self.hosts, dtype=np.intp), self.learned.tau**2,
         )  # fmt: skip
+
+    @cached_property
+    def cracks(self) -> list[list[Shape]]:
+        """Those in the tables, in their order."""
+        asked = len(self.tables.place) > len(self.question.numbers)
+        return cracks_of(self.prepared, self.question) if asked else []
+
+    @cached_property
+    def hosts(self) -> list[int]:
+        """The element of each."""
+        return [self.question.numbers.index(shape.element) for own in self.cracks for shape in own]
 
     @cached_property
     def alike(self) -> list[list[tuple[int, float]]]:
@@ -326,7 +418,9 @@ class Plan:
 def plan_of(question: Question, rng: np.random.Generator, threads: int) -> Plan:
     """Learn from the baseline and compute the tables."""
     prepared = question.prepared(threads, silent=True)
-    return Plan(question, tables_of(prepared), learned_from(prepared, question, rng, question.hint()))
+    return Plan(
+        question, tables_of(prepared, question), learned_from(prepared, question, rng, question.hint())
+    )
 
 
 # -- The search of :mod:`~antires_rs.damage.inference` with antiresonances from tables, for one test
@@ -409,6 +503,12 @@ _JOINED = (0, 10, 3)  # so many elements join a set of one and of two in the lin
 #: the same for those of the answer.
 _RESTS, _LOOKS, _SURE_RESTS = 0.06, 2, 1e-2
 _CLOSE, _LAST = 0.4, 2  # sets within this of the likeliest are judged at the end, so many
+#: Elements so near to the likeliest set (log probability), and so many, may be cracked instead; cracks so far
+#: behind it do not count. Steps by the nearest values, after which those so far behind are left out; looks,
+#: and the longest step (u).
+_NEAR_CRACKS, _MOST_CRACKED, _LEAST_CRACK = 10.0, 6, 4.0
+_CRACK_STEPS, _CRACK_HOPELESS, _CRACK_LOOKS, _CRACK_STEP = 3, 12.0, 4, 0.3
+_CRACK_PRIOR, _CRACK_SHARP = float(np.log(CRACKED)), 4.0  # ln of its prior, and what more places may gain
 
 
 @dataclass
@@ -428,6 +528,78 @@ class QuickSearch(Search):
     gained: dict[Elements, float] = field(default_factory=dict)
     looks: int = 0  # at computed antiresonances
     cut: bool = False  # whether sets that may be the most probable ones were not judged
+
+    def run(self) -> None:
+        """See the base class; then cracks of the likeliest elements."""
+        super().run()
+        cracks = self.likelihood.plan.cracks
+        if cracks and not self.interrupted:
+            known = self._weights() | {s: rough[0] + self.log_prior(s) for s, rough in self.rough.items()}
+            least = max(known.values()) - _NEAR_CRACKS
+            alone = (s for s in known if len(s) == 1 and not self.outside(s) and known[s] > least)
+            for s in sorted(alone, key=lambda s: -known[s])[:_MOST_CRACKED]:
+                for nth, own in enumerate(cracks):
+                    if self.likelihood.plan.hosts[nth * len(own)] == s[0]:
+                        self._crack(s, self.likelihood.n + nth * len(own), own)
+
+    def _crack(self, s: Elements, first: int, shapes: list[Shape]) -> None:
+        """Judge cracks of an element, the first one's number given, by the tables, beside the whole element
+        as it was judged."""
+        likelihood, test, u = self.likelihood, self.likelihood.test, self._u(s)
+        top = max(self._weights().values()) - _CRACK_PRIOR - self.log_prior(s)
+        asked = [(first + k, shapes[k].size, u) for k in range(1, len(shapes), 2)]
+        fits = self._cracked(asked, top)
+        if not fits or max(fit.log_evidence for fit in fits.values()) < top - _LEAST_CRACK - _CRACK_SHARP:
+            return
+        best = max(fits.values(), key=lambda fit: fit.log_evidence)
+        (k,) = best.elements
+        fits |= self._cracked([(other, shapes[other - first].size, best.u) for other in (k - 1, k + 1)], top)
+        best = max(fits.values(), key=lambda fit: fit.log_evidence)
+        more = 0.0
+        if s in self.judged:
+            more = self.fits[s].log_evidence - test.settle([(list(s), u.tolist())], 1, 0.0)[0][4]
+        (beta,) = likelihood.rows(s, best.beta[None])
+        view = likelihood._view(beta, test.look(list(best.elements), best.u.tolist()))
+        # At all other places it explains next to nothing.
+        rest = replace(best, log_evidence=best.log_evidence - _CRACK_HOPELESS)
+        every = {
+            c: replace(fits.get(c, rest), view=view)
+            for c in {*fits, *(first + k for k in range(1, len(shapes), 2))}
+        }
+        places = [(replace(shapes[c - first], size=1.0), fit) for c, fit in every.items()]
+        total, reach, losses = Crack(places).over_places()
+        rows = [(float(each),) for each in losses]
+        told = shapes[best.elements[0] - first].told(reach)
+        known = self.shaped.cracked.get(s)
+        if known is None or total + more > known.log_evidence:
+            self.shaped.cracked[s] = Shaped("crack", told, total + more, view, *rows)
+
+    def _cracked(self, asked: list[tuple[int, float, FloatArray]], top: float) -> dict[int, Fit]:
+        """Cracks, by number, size and start, at their most probable amounts, by the tables; severities (u)
+        are of whole elements. Those far behind ``top`` (log evidence) are not looked at again."""
+        found: dict[int, Fit] = {}
+        test, view = self.likelihood.test, self.likelihood.start
+        starts = test.refine([([c], u.tolist()) for c, _, u in asked], _CRACK_STEPS)
+        least = min(left for _, left in starts) + 1.5 * _CRACK_HOPELESS
+        pairs = zip(asked, starts, strict=True)
+        ahead = [(c, size, np.array(u)) for (c, size, _), (u, left) in pairs if left < least]
+        for _ in range(_CRACK_LOOKS):
+            asked, ahead = ahead, []
+            settled = test.settle([([c], u.tolist()) for c, _, u in asked], 1, 0.0)
+            for (c, size, u), (_, peak, mean, variance, seen, _) in zip(asked, settled, strict=True):
+                best, known = np.minimum(peak, FURTHEST), found.get(c)
+                # All amounts of a crack are equally probable, not all losses that are as flexible.
+                seen += np.log(size) - 2.0 * np.log(1.0 - np.exp(-best[0]) * (1.0 - size))
+                step_by = best - u
+                if abs(step_by[0]) <= LINEAR and (known is None or seen > known.log_evidence):
+                    rest = np.array(mean), np.array(variance).reshape(1, 1), view
+                    found[c] = Fit((c,), float(seen), -np.expm1(-best), *rest)
+                    if abs(step_by[0]) > _RESTS and seen > top - _LEAST_CRACK - _CRACK_SHARP:
+                        ahead.append((c, size, best))
+                else:
+                    further = u + np.clip(step_by, -_CRACK_STEP, _CRACK_STEP)
+                    ahead.append((c, size, further if known is None else 0.5 * (u + known.u)))
+        return found
 
     def _pairs(self) -> dict[Elements, FloatArray]:
         """Too many for a quick search."""

@@ -217,7 +217,7 @@ def _refined(
     return fits
 
 
-class _Crack(NamedTuple):
+class Crack(NamedTuple):
     """A crack at several places, and the most probable amounts at each; its own comes first."""
 
     places: list[tuple[Shape, Fit]]
@@ -226,6 +226,7 @@ class _Crack(NamedTuple):
 
     @property
     def likeliest(self) -> tuple[Shape, Fit]:
+        """The likeliest place."""
         return max(self.places, key=lambda each: each[1].log_evidence)
 
     def curve(self) -> tuple[FloatArray, FloatArray, list[tuple[Shape, Fit]]]:
@@ -290,7 +291,7 @@ class _Crack(NamedTuple):
         return total, (max(shape.share - reach[0], 0.0), min(shape.share + reach[1], 1.0)), severity
 
 
-def _narrowed(prepared: Prepared, question: Question, crack: _Crack) -> _Crack:
+def _narrowed(prepared: Prepared, question: Question, crack: Crack) -> Crack:
     """More places of a crack, ever nearer to the likeliest."""
     n = len(prepared.numbers)
     for _ in range(_ROUNDS):
@@ -328,10 +329,10 @@ def _singles(
     found: Found,
 ) -> None:
     """Cracks of each element: evidence over their places, and the likeliest place narrowed down."""
-    by_element: dict[int, _Crack] = {}
+    by_element: dict[int, Crack] = {}
     for k, shape in enumerate(shapes):
         if shape.kind == "crack" and (n + k,) in fits and shape.element in question.elements:
-            by_element.setdefault(shape.element, _Crack([])).places.append((shape, fits[n + k,]))
+            by_element.setdefault(shape.element, Crack([])).places.append((shape, fits[n + k,]))
     order = sorted(by_element.values(), key=lambda crack: -crack.likeliest[1].log_evidence)
     for rank, crack in enumerate(order):
         height = crack.likeliest[1].log_evidence
@@ -428,7 +429,7 @@ def _doubles(
             if not isinstance(part, Shape):
                 rows[part] = (float(fit.beta[0]), *fit.interval(0, SHARES)[0])
                 continue
-            crack = _Crack([(part, fit)], parts[1 - nth])
+            crack = Crack([(part, fit)], parts[1 - nth])
             if near:
                 crack = _narrowed(prepared, question, crack)
             total, reach, losses = crack.over_places()

@@ -63,7 +63,7 @@ class Shape:
         flexible = self.size * beta / (1.0 - beta)
         return flexible / (1.0 + flexible)
 
-    def amount(self, loss: float) -> float:
+    def amount(self, loss: Any) -> Any:
         """The amount beta of that loss."""
         return loss / (loss + (1.0 - loss) * self.size)
 

@@ -74,6 +74,7 @@ prepared_tables! {
     crossed: PyArray4, PyReadonlyArray4, f32;
     errors: PyArray4, PyReadonlyArray4, f32;
     spread: PyArray2, PyReadonlyArray2, f64;
+    host: PyArray1, PyReadonlyArray1, i64;
 }
 
 /// Values of one test against tables.
@@ -132,7 +133,7 @@ impl PreparedTest {
 }
 
 fn known(t: &Tables<'_>, elements: &[usize], u: &[f64]) -> PyResult<()> {
-    if elements.len() == u.len() && elements.iter().all(|&e| e < t.n) {
+    if elements.len() == u.len() && elements.iter().all(|&e| e < t.n + t.host.len()) {
         Ok(())
     } else {
         Err(InternalError::new_err("elements outside the tables"))
@@ -262,14 +263,8 @@ impl PreparedTest {
         guarded(py, || {
             let of = |(e, u): &(Vec<usize>, Vec<f64>)| {
                 let found = settled(&t, &test, e, u, (looks, rests));
-                (
-                    found.u,
-                    found.seen.u,
-                    found.seen.mean,
-                    found.seen.covariance,
-                    found.seen.log,
-                    found.log_likelihood,
-                )
+                let seen = found.seen;
+                (found.u, seen.u, seen.mean, seen.covariance, seen.log, found.log_likelihood)
             };
             Ok(sets.iter().map(of).collect())
         })

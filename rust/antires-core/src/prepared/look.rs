@@ -49,8 +49,7 @@ fn associated(test: &Test<'_>, roots: &Foreseen, sigma: &[f64], wider: f64) -> (
     let std: Vec<f64> = test.std.iter().map(|s| wider * s).collect();
     let of_roots = alignment::Places { response: &roots.response, log_f: &roots.place };
     let alone = test.alone();
-    let mut partner = Vec::with_capacity(std.len());
-    let mut first = 0;
+    let (mut partner, mut first) = (Vec::with_capacity(std.len()), 0);
     while first < std.len() {
         let end = first + test.set[first..].partition_point(|&s| s == test.set[first]);
         let values =
@@ -185,7 +184,8 @@ fn judged(
     let width = columns.len();
     let mut slopes = Vec::with_capacity(m * width);
     for i in 0..m {
-        slopes.extend(columns.iter().zip(room).map(|(&c, r)| of(i)[c] / r));
+        let slope = |c: usize| if c < t.n { of(i)[c] } else { at.slope(t, roots.root[root[i]], c) };
+        slopes.extend(columns.iter().zip(room).map(|(&c, r)| slope(c) / r));
     }
     whiten_rows(&a, best, &mut slopes, width);
     let mut vectors: Vec<Vec<f64>> = vec![white.iter().map(|w| w[best]).collect()];
@@ -201,8 +201,7 @@ fn judged(
         }
     }
     let gain: Vec<f64> = vectors[1 + n_changes..].iter().map(|column| dot(column, &vectors[0])).collect();
-    let mut moved = vec![0.0; m];
-    let mut more = vec![0.0; m];
+    let (mut moved, mut more) = (vec![0.0; m], vec![0.0; m]);
     for (side, own) in sides[ways[way].clone()].iter().zip(&vectors[1..]) {
         let amount = dot(own, &vectors[0]);
         for i in 0..m {

@@ -47,8 +47,7 @@ fn of_response(t: &Tables<'_>, response: i64) -> Range<usize> {
 }
 
 fn nearest(t: &Tables<'_>, at: &Places, response: i64, log_f: f64) -> Option<usize> {
-    let mut best = None;
-    let mut least = f64::INFINITY;
+    let (mut best, mut least) = (None, f64::INFINITY);
     for k in of_response(t, response).filter(|&k| at.there[k]) {
         let apart = (at.place[k] - log_f).abs();
         if apart < least {
@@ -109,10 +108,8 @@ impl NullaryFnOnce for Scan<'_> {
 pub fn scanned(t: &Tables<'_>, test: &Test<'_>, at: &Places, further: &[usize], variance: &[f64]) -> Left {
     let (levels, size) = (t.levels.len(), t.size());
     let weight: Vec<f64> = variance.iter().map(|v| 1.0 / (FREEDOM * v)).collect();
-    let mut left = Left {
-        distance: vec![f64::INFINITY; further.len() * levels],
-        misfit: vec![f64::INFINITY; further.len() * levels],
-    };
+    let none = vec![f64::INFINITY; further.len() * levels];
+    let mut left = Left { distance: none.clone(), misfit: none };
     // Values of one response, of whatever set, stand together.
     let mut order: Vec<usize> = (0..test.log_f.len()).collect();
     order.sort_by_key(|&i| test.response[i]);
@@ -120,14 +117,12 @@ pub fn scanned(t: &Tables<'_>, test: &Test<'_>, at: &Places, further: &[usize], 
     for own in order.chunk_by(|&i, &j| test.response[i] == test.response[j]) {
         groups.push((own, of_response(t, test.response[own[0]])));
     }
-    let mut by_u = vec![0.0; size];
-    let mut places = vec![[f64::INFINITY; BLOCK]; size];
+    let (mut by_u, mut places) = (vec![0.0; size], vec![[f64::INFINITY; BLOCK]; size]);
     for (nth, &e) in further.iter().enumerate() {
         for k in 0..size {
             by_u[k] = 0.0;
             if t.old[k] && !at.elements.is_empty() {
-                let both = at.elements.iter().zip(&at.u);
-                let both: f64 = both.map(|(&a, u)| mixed(t, a, e, k) * u).sum();
+                let both: f64 = at.elements.iter().zip(&at.u).map(|(&a, u)| mixed(t, a, e, k) * u).sum();
                 by_u[k] = at.slope(t, k, e) - f64::from(t.slope_row(0, 0, k)[e]) - both;
             }
         }
@@ -166,13 +161,10 @@ pub fn refined(
     (steps, outside): (usize, f64),
     variance: &[f64],
 ) -> (Vec<f64>, f64) {
-    let mut u = u.to_vec();
-    let n = u.len();
-    let mut left = 0.0;
+    let (mut u, n, mut left) = (u.to_vec(), u.len(), 0.0);
     for nth in 0..=steps {
         let at = Places::new(t, elements, &u);
-        let (mut matrix, mut gain) = (vec![0.0; n * n], vec![-1.0; n]);
-        let mut slope = vec![0.0; n];
+        let (mut matrix, mut gain, mut slope) = (vec![0.0; n * n], vec![-1.0; n], vec![0.0; n]);
         left = u.iter().sum();
         for i in 0..test.log_f.len() {
             let Some(k) = nearest(t, &at, test.response[i], test.log_f[i]) else {

@@ -14,7 +14,7 @@
 
 use crate::linalg::wide::{NullaryFnOnce, run};
 
-/// Roots (r) at levels (l) of u of each element (n); arrays are row-major.
+/// Roots (r) at levels (l) of u of each element (n), and of cracks behind them, (k) in all; arrays are row-major.
 #[derive(Clone, Copy, Debug)]
 pub struct Tables<'a> {
     /// u of each level, ascending from 0.
@@ -31,13 +31,13 @@ pub struct Tables<'a> {
     pub old: &'a [bool],
     /// ln f in the undamaged model.
     pub intact: &'a [f64],
-    /// (n, l, r) whether the model has it.
+    /// (k, l, r) whether the model has it.
     pub there: &'a [bool],
-    /// (n, l, r) ln f expected in the measured structure.
+    /// (k, l, r) ln f expected in the measured structure.
     pub place: &'a [f64],
-    /// (n, l, r) how far that is from the model's.
+    /// (k, l, r) how far that is from the model's.
     pub beside: &'a [f64],
-    /// (n, l, r) slope of the place by u of the element.
+    /// (k, l, r) slope of the place by u of the element.
     pub by_own: &'a [f64],
     /// (n, l, r, n) slopes of ln f by all u.
     pub slopes: &'a [f32],
@@ -47,6 +47,8 @@ pub struct Tables<'a> {
     pub errors: &'a [f32],
     /// (r, r) covariance of the roots without damage.
     pub spread: &'a [f64],
+    /// (k − n) the element of each crack, in whose place it stands where slopes and errors are asked for.
+    pub host: &'a [i64],
     /// Variance of a root that has just appeared.
     pub new_variance: f64,
 }
@@ -57,6 +59,11 @@ impl<'a> Tables<'a> {
         self.response.len()
     }
 
+    /// The element that a crack is in, or the element itself.
+    pub fn host(&self, e: usize) -> usize {
+        if e < self.n { e } else { self.host[e - self.n] as usize }
+    }
+
     /// Where (e, level) begins in a table of roots.
     pub fn at(&self, e: usize, level: usize) -> usize {
         (e * self.levels.len() + level) * self.size()
@@ -64,32 +71,33 @@ impl<'a> Tables<'a> {
 
     /// One row of slopes, (n,).
     pub fn slope_row(&self, e: usize, level: usize, root: usize) -> &'a [f32] {
-        &self.slopes[(self.at(e, level) + root) * self.n..][..self.n]
+        &self.slopes[(self.at(self.host(e), level) + root) * self.n..][..self.n]
     }
 
     /// Slopes of all roots at (e, level) by one u, (r,).
     pub fn slopes_by(&self, by: usize, e: usize, level: usize) -> &'a [f32] {
         let cells = self.n * self.levels.len() * self.size();
-        &self.crossed[by * cells + self.at(e, level)..][..self.size()]
+        &self.crossed[self.host(by) * cells + self.at(self.host(e), level)..][..self.size()]
     }
 
     /// One row of errors, (q,).
     pub fn error_row(&self, e: usize, level: usize, root: usize) -> &'a [f32] {
-        &self.errors[(self.at(e, level) + root) * self.q..][..self.q]
+        &self.errors[(self.at(self.host(e), level) + root) * self.q..][..self.q]
     }
 
     /// Whether all arrays have their lengths, and levels rise from 0.
     pub fn consistent(&self) -> bool {
         let (r, levels) = (self.size(), self.levels.len());
         let cells = self.n * levels * r;
+        let all = (self.n + self.host.len()) * levels * r;
         levels > 1
             && self.n > 0
             && self.levels[0] == 0.0
             && self.levels.is_sorted()
             && self.response.is_sorted()
             && [self.seen.len(), self.old.len(), self.intact.len()] == [r; 3]
-            && self.there.len() == cells
-            && [self.place.len(), self.beside.len(), self.by_own.len()] == [cells; 3]
+            && self.host.iter().all(|&e| e >= 0 && (e as usize) < self.n)
+            && [self.there.len(), self.place.len(), self.beside.len(), self.by_own.len()] == [all; 4]
             && [self.slopes.len(), self.crossed.len()] == [cells * self.n; 2]
             && self.errors.len() == cells * self.q
             && self.spread.len() == r * r
@@ -240,13 +248,14 @@ fn one(t: &Tables<'_>, e: usize, u: f64) -> One {
 
 /// Slope of a root at one severity by another u.
 fn slope_between(t: &Tables<'_>, e: usize, at: Between, root: usize, by: usize) -> f64 {
-    let low = t.slope_row(e, at.below, root)[by];
-    let high = t.slope_row(e, at.below + 1, root)[by];
+    let low = t.slope_row(e, at.below, root)[t.host(by)];
+    let high = t.slope_row(e, at.below + 1, root)[t.host(by)];
     f64::from(low) + at.share * f64::from(high - low)
 }
 
 /// Second derivative of ln f by two u, without damage.
 pub fn mixed(t: &Tables<'_>, a: usize, b: usize, root: usize) -> f64 {
+    let (a, b) = (t.host(a), t.host(b));
     let first = t.slope_row(a, 1, root)[b] - t.slope_row(a, 0, root)[b];
     let second = t.slope_row(b, 1, root)[a] - t.slope_row(b, 0, root)[a];
     0.5 * f64::from(first + second) / t.levels[1]
@@ -287,7 +296,7 @@ impl Places {
             for i in 0..each.len() {
                 for j in i + 1..each.len() {
                     let (a, b) = (elements[i], elements[j]);
-                    let start = |by: usize| f64::from(t.slope_row(0, 0, k)[by]);
+                    let start = |by: usize| f64::from(t.slope_row(0, 0, k)[t.host(by)]);
                     found.place[k] += (slope_between(t, a, each[i].between, k, b) - start(b)) * u[j]
                         + (slope_between(t, b, each[j].between, k, a) - start(a)) * u[i]
                         - mixed(t, a, b, k) * u[i] * u[j];
@@ -320,15 +329,19 @@ impl Places {
         }
     }
 
-    /// Slope of a root by the severity of one of all elements.
+    /// Slope of a root by the severity of an element or crack.
     pub fn slope(&self, t: &Tables<'_>, root: usize, by: usize) -> f64 {
-        let start = f64::from(t.slope_row(0, 0, root)[by]);
+        let column = t.host(by);
+        let own = |e: usize, level: usize| match by >= t.n && e == by {
+            true => t.by_own[t.at(e, level) + root],
+            false => f64::from(t.slope_row(e, level, root)[column]),
+        };
+        let start = own(0, 0);
         let mut total = start;
         for (&e, way) in self.elements.iter().zip(&self.between) {
             let both = t.there[t.at(e, way.below) + root] && t.there[t.at(e, way.below + 1) + root];
             let share = if both { way.share } else { (way.near - way.below) as f64 };
-            let low = f64::from(t.slope_row(e, way.below, root)[by]);
-            let high = f64::from(t.slope_row(e, way.below + 1, root)[by]);
+            let (low, high) = (own(e, way.below), own(e, way.below + 1));
             total += low + share * (high - low) - start;
         }
         total
