@@ -27,7 +27,6 @@ from .inference import (
     HIGHEST,
     LARGEST,
     LINEAR,
-    SHARES,
     Elements,
     Fit,
     Learned,
@@ -35,7 +34,6 @@ from .inference import (
     intact_slopes,
     learned_from,
     refitted,
-    too_much,
 )
 from .likelihood import (
     ALIKE_STD,
@@ -58,7 +56,7 @@ from .measured_states import (
     same_data,
     values_of,
 )
-from .shape_search import _OVER_PLACES, Crack
+from .shape_search import Crack
 from .shapes import CRACKED, PLACES, Joined, Shape, Shaped, joined, parameters_of
 
 # -- The model's antiresonances over the severity of each element, computed once
@@ -350,8 +348,7 @@ class Plan:
         return _core.PreparedTables(
             c(LEVELS), c(t.response), c(t.seen), c(t.identity >= 0), c(t.intact), c(t.there), c(t.place),
             c(t.beside), c(t.by_own), c(t.slopes), c(np.moveaxis(t.slopes, 3, 0)), c(t.errors),
-            undamaged @ undamaged.T, np.array(self.hosts[len(t.slopes) :], dtype=np.intp),
-            self.learned.tau**2,
+            undamaged @ undamaged.T, np.array(self.hosts, dtype=np.intp), self.learned.tau**2,
         )  # fmt: skip
 
     @cached_property
@@ -362,27 +359,8 @@ class Plan:
 
     @cached_property
     def hosts(self) -> list[int]:
-        """The element of each element and crack."""
-        numbers = self.question.numbers
-        cracks = [numbers.index(shape.element) for own in self.cracks for shape in own]
-        return [*range(len(numbers)), *cracks]
-
-    @cached_property
-    def sizes(self) -> FloatArray:
-        """Of each the flexibility of a hinge of amount 1/2 over that of the element that has lost half."""
-        cracks = [shape.size for own in self.cracks for shape in own]
-        return np.array([1.0] * len(self.question.numbers) + cracks)
-
-    def log_density(self, s: Elements, u: FloatArray) -> float:
-        """Of losses: all amounts of a crack are equally probable, not all losses that are as flexible."""
-        size = self.sizes[list(s)]
-        return float(np.sum(np.log(size) - 2.0 * np.log(1.0 - np.exp(-u) * (1.0 - size))))
-
-    def places(self, c: int) -> list[int]:
-        """The element of an element or crack, and its cracks, of which every other one was computed."""
-        n, host = len(self.question.numbers), self.hosts[c]
-        cracks = [k for k, e in enumerate(self.hosts[n:]) if e == host and k % _SHARES.size % 2]
-        return [host, *(n + k for k in cracks)]
+        """The element of each."""
+        return [self.question.numbers.index(shape.element) for own in self.cracks for shape in own]
 
     @cached_property
     def alike(self) -> list[list[tuple[int, float]]]:
@@ -530,9 +508,6 @@ _CLOSE, _LAST = 0.4, 2  # sets within this of the likeliest are judged at the en
 #: and the longest step (u).
 _NEAR_CRACKS, _MOST_CRACKED, _LEAST_CRACK = 10.0, 6, 4.0
 _CRACK_STEPS, _CRACK_HOPELESS, _CRACK_LOOKS, _CRACK_STEP = 3, 12.0, 4, 0.3
-#: Pairs with cracks: sets of two that are begun with and judged, singles that get another element, pairs that
-#: are narrowed down; how much less probable than the likeliest place others are at most, as in the full run.
-_PAIRED, _JOINING, _NARROWED, _BESIDE = 4, 3, 2, 1.1
 _CRACK_PRIOR, _CRACK_SHARP = float(np.log(CRACKED)), 4.0  # ln of its prior, and what more places may gain
 
 
@@ -555,156 +530,80 @@ class QuickSearch(Search):
     cut: bool = False  # whether sets that may be the most probable ones were not judged
 
     def run(self) -> None:
-        """See the base class; then cracks of the likeliest elements, and pairs of these."""
+        """See the base class; then cracks of the likeliest elements."""
         super().run()
-        plan, n = self.likelihood.plan, self.likelihood.n
-        if plan.cracks and not self.interrupted:
+        cracks = self.likelihood.plan.cracks
+        if cracks and not self.interrupted:
             known = self._weights() | {s: rough[0] + self.log_prior(s) for s, rough in self.rough.items()}
             least = max(known.values()) - _NEAR_CRACKS
-            near = (s for s in known if len(s) == 1 and not self.outside(s) and known[s] > least)
-            alone: dict[Elements, Fit] = {}
-            for s in sorted(near, key=lambda s: -known[s])[:_MOST_CRACKED]:
-                for nth, own in enumerate(plan.cracks):
-                    if plan.hosts[first := n + nth * len(own)] == s[0]:
-                        alone |= self._crack(s, first, own)
-            self._crack_two(alone)
+            alone = (s for s in known if len(s) == 1 and not self.outside(s) and known[s] > least)
+            for s in sorted(alone, key=lambda s: -known[s])[:_MOST_CRACKED]:
+                for nth, own in enumerate(cracks):
+                    if self.likelihood.plan.hosts[nth * len(own)] == s[0]:
+                        self._crack(s, self.likelihood.n + nth * len(own), own)
 
-    def _crack(self, s: Elements, first: int, shapes: list[Shape]) -> dict[Elements, Fit]:
+    def _crack(self, s: Elements, first: int, shapes: list[Shape]) -> None:
         """Judge cracks of an element, the first one's number given, by the tables, beside the whole element
         as it was judged."""
         likelihood, test, u = self.likelihood, self.likelihood.test, self._u(s)
         top = max(self._weights().values()) - _CRACK_PRIOR - self.log_prior(s)
-        middle = [(first + k,) for k in range(1, len(shapes), 2)]
-        fits = self._cracked(dict.fromkeys(middle, u), top)
+        asked = [(first + k, shapes[k].size, u) for k in range(1, len(shapes), 2)]
+        fits = self._cracked(asked, top)
         if not fits or max(fit.log_evidence for fit in fits.values()) < top - _LEAST_CRACK - _CRACK_SHARP:
-            return fits
+            return
         best = max(fits.values(), key=lambda fit: fit.log_evidence)
         (k,) = best.elements
-        fits |= self._cracked({(k - 1,): best.u, (k + 1,): best.u}, top)
+        fits |= self._cracked([(other, shapes[other - first].size, best.u) for other in (k - 1, k + 1)], top)
         best = max(fits.values(), key=lambda fit: fit.log_evidence)
         more = 0.0
         if s in self.judged:
             more = self.fits[s].log_evidence - test.settle([(list(s), u.tolist())], 1, 0.0)[0][4]
         (beta,) = likelihood.rows(s, best.beta[None])
         view = likelihood._view(beta, test.look(list(best.elements), best.u.tolist()))
-        fits = {c: replace(fit, view=view) for c, fit in fits.items()}
         # At all other places it explains next to nothing.
-        rest = replace(best, log_evidence=best.log_evidence - _CRACK_HOPELESS, view=view)
-        every = {c: fits.get(c, rest) for c in {*fits, *middle}}
-        places = [(replace(shapes[c - first], size=1.0), fit) for (c,), fit in every.items()]
+        rest = replace(best, log_evidence=best.log_evidence - _CRACK_HOPELESS)
+        every = {
+            c: replace(fits.get(c, rest), view=view)
+            for c in {*fits, *(first + k for k in range(1, len(shapes), 2))}
+        }
+        places = [(replace(shapes[c - first], size=1.0), fit) for c, fit in every.items()]
         total, reach, losses = Crack(places).over_places()
         rows = [(float(each),) for each in losses]
         told = shapes[best.elements[0] - first].told(reach)
         known = self.shaped.cracked.get(s)
         if known is None or total + more > known.log_evidence:
             self.shaped.cracked[s] = Shaped("crack", told, total + more, view, *rows)
-        return fits
 
-    def _cracked(self, asked: dict[Elements, FloatArray], top: float) -> dict[Elements, Fit]:
-        """Sets with cracks, of these severities to begin with, at their most probable amounts, by the tables;
-        severities (u) are of whole elements. Those far behind ``top`` (log evidence) are not looked at
-        again."""
-        found: dict[Elements, Fit] = {}
+    def _cracked(self, asked: list[tuple[int, float, FloatArray]], top: float) -> dict[int, Fit]:
+        """Cracks, by number, size and start, at their most probable amounts, by the tables; severities (u)
+        are of whole elements. Those far behind ``top`` (log evidence) are not looked at again."""
+        found: dict[int, Fit] = {}
         test, view = self.likelihood.test, self.likelihood.start
-        starts = test.refine([(list(s), u.tolist()) for s, u in asked.items()], _CRACK_STEPS)
+        starts = test.refine([([c], u.tolist()) for c, _, u in asked], _CRACK_STEPS)
         least = min(left for _, left in starts) + 1.5 * _CRACK_HOPELESS
-        ahead = {s: np.array(u) for s, (u, left) in zip(asked, starts, strict=True) if left < least}
+        pairs = zip(asked, starts, strict=True)
+        ahead = [(c, size, np.array(u)) for (c, size, _), (u, left) in pairs if left < least]
         for _ in range(_CRACK_LOOKS):
-            before, ahead = ahead, {}
-            settled = test.settle([(list(s), u.tolist()) for s, u in before.items()], 1, 0.0)
-            for (s, u), (_, peak, mean, variance, seen, _) in zip(before.items(), settled, strict=True):
-                best, known = np.minimum(peak, FURTHEST), found.get(s)
-                seen += self.likelihood.plan.log_density(s, best)
+            asked, ahead = ahead, []
+            settled = test.settle([([c], u.tolist()) for c, _, u in asked], 1, 0.0)
+            for (c, size, u), (_, peak, mean, variance, seen, _) in zip(asked, settled, strict=True):
+                best, known = np.minimum(peak, FURTHEST), found.get(c)
+                # All amounts of a crack are equally probable, not all losses that are as flexible.
+                seen += np.log(size) - 2.0 * np.log(1.0 - np.exp(-best[0]) * (1.0 - size))
                 step_by = best - u
-                if np.abs(step_by).max() <= LINEAR and (known is None or seen > known.log_evidence):
-                    rest = np.array(mean), np.array(variance).reshape(len(s), -1), view
-                    found[s] = Fit(s, seen, -np.expm1(-best), *rest)
-                    if np.abs(step_by).max() > _RESTS and seen > top - _LEAST_CRACK - _CRACK_SHARP:
-                        ahead[s] = best
+                if abs(step_by[0]) <= LINEAR and (known is None or seen > known.log_evidence):
+                    rest = np.array(mean), np.array(variance).reshape(1, 1), view
+                    found[c] = Fit((c,), float(seen), -np.expm1(-best), *rest)
+                    if abs(step_by[0]) > _RESTS and seen > top - _LEAST_CRACK - _CRACK_SHARP:
+                        ahead.append((c, size, best))
                 else:
                     further = u + np.clip(step_by, -_CRACK_STEP, _CRACK_STEP)
-                    ahead[s] = further if known is None else 0.5 * (u + known.u)
+                    ahead.append((c, size, further if known is None else 0.5 * (u + known.u)))
         return found
-
-    def _crack_two(self, alone: dict[Elements, Fit]) -> None:
-        """Judge pairs of cracks, or of a crack and an element, by the tables, where no single one explains
-        the values by errors as they are stated; ``alone`` are single cracks."""
-        plan, n = self.likelihood.plan, self.likelihood.n
-        best = max([self._likeliest, *alone.values()], key=lambda fit: fit.log_evidence)
-        strict = best.view.kappa == 0.0 and best.view.times <= 1.0 and not too_much(best.view)
-        if strict and best.log_evidence > self.likelihood.something_else:
-            return
-        singles = {s: (self._log_evidence(s), self._u(s)) for s in self._known(1)[:_MOST_CRACKED]}
-        singles |= {s: (fit.log_evidence, fit.u) for s, fit in alone.items()}
-        parents: dict[tuple[int, bool], tuple[Elements, FloatArray]] = {}
-        for s in sorted(singles, key=lambda s: -singles[s][0]):
-            parents.setdefault((plan.hosts[s[0]], s in alone), (s, singles[s][1]))
-        starts = {s: self._u(s) for s in self._known(2)[:_PAIRED]}
-        starts |= self._scanned(list(parents.values())[:_JOINING])
-        found: dict[Elements, dict[Elements, tuple[float, FloatArray]]] = {}  # by elements
-        for nth in (1, 0):  # one place at a time
-            ways = ((s, u, plan.places(s[nth])) for s, u in starts.items())
-            asked = {(*s[:nth], c, *s[nth + 1 :]): u for s, u, places in ways for c in places}
-            for s, one in self._by_nearest(asked).items():
-                found.setdefault(tuple(sorted(plan.hosts[c] for c in s)), {})[s] = one
-            rows = [
-                max(((s, *one) for s, one in own.items() if nth or max(s) >= n), key=lambda row: row[1])
-                for own in found.values()
-            ]
-            starts = {s: u for s, _, u in sorted(rows, key=lambda row: -row[1])}
-        likeliest = dict(islice(starts.items(), _PAIRED))
-        fits = self._cracked(likeliest, -np.inf).values() if likeliest else ()
-        for rank, fit in enumerate(sorted(fits, key=lambda fit: -fit.log_evidence)):
-            averaged = -_OVER_PLACES * sum(c >= n for c in fit.elements)
-            if rank < _NARROWED:
-                s, u, averaged = self._narrowed(fit.elements, fit.u)
-                fit = self._cracked({s: u}, -np.inf).get(s, fit)
-            self._keep_two(fit, averaged)
-
-    def _keep_two(self, fit: Fit, averaged: float) -> None:
-        """A pair with cracks, whose mean over places is so much more than its evidence."""
-        plan, n = self.likelihood.plan, self.likelihood.n
-        order = sorted((plan.hosts[c], nth) for nth, c in enumerate(fit.elements))
-        key = tuple(e for e, _ in order)
-        total = fit.log_evidence + averaged + self.gained.get(key, self._alike(key))
-        if total + _CRACK_PRIOR + self.log_prior(key) > max(self.log_weights().values()) - _LEAST_CRACK:
-            rows = [(float(fit.beta[nth]), *fit.interval(nth, SHARES)[0]) for _, nth in order]
-            shapes = [shape for own in plan.cracks for shape in own]
-            told = [shapes[c - n].told() for c in fit.elements if c >= n]
-            kind = "crack" if len(told) == len(key) else "crack and element"
-            (beta,) = self.likelihood.rows(key, np.array([[loss for loss, _, _ in rows]]))
-            view = self.likelihood._view(beta, self.likelihood.test.look(list(fit.elements), fit.u.tolist()))
-            severities, low, high = zip(*rows, strict=True)
-            self.shaped.cracked[key] = Shaped(kind, "; ".join(told), total, view, severities, low, high)
-
-    def _by_nearest(self, asked: dict[Elements, FloatArray]) -> dict[Elements, tuple[float, FloatArray]]:
-        """Log evidence of pairs, less what they have in common, and severities (u), by the nearest values."""
-        refined = self.likelihood.test.refine([(list(s), u.tolist()) for s, u in asked.items()], _CRACK_STEPS)
-        density = self.likelihood.plan.log_density
-        rows = ((s, np.array(u), left) for s, (u, left) in zip(asked, refined, strict=True))
-        return {s: (density(s, u) - left, u) for s, u, left in rows}
-
-    def _narrowed(self, s: Elements, u: FloatArray) -> tuple[Elements, FloatArray, float]:
-        """A pair at the likeliest places of its cracks, severities, and what the mean over places adds (ln)."""
-        averaged, size = 0.0, _SHARES.size
-        for nth, c in enumerate(s):
-            if c >= self.likelihood.n:
-                first = c - (c - self.likelihood.n) % size
-                asked = {(*s[:nth], first + k, *s[nth + 1 :]): u for k in range(size)}
-                found = self._by_nearest(asked)
-                s = max(found, key=lambda one: found[one][0])
-                top, u = found[s]
-                heights = np.array([height for height, _ in found.values()]) - top
-                averaged += float(np.log(np.mean(np.exp(np.maximum(heights, -_BESIDE)))))
-        return s, u, averaged
 
     def _pairs(self) -> dict[Elements, FloatArray]:
         """Too many for a quick search."""
         return {}
-
-    def _further(self, elements: Elements) -> list[int]:
-        """See the base class; not those that a crack is in."""
-        return super()._further(tuple(self.likelihood.plan.hosts[e] for e in elements))
 
     def _starts(self, size: int) -> dict[Elements, FloatArray]:
         """The sets with one element more that explain most at any severity, and their severities (u)."""
@@ -716,19 +615,11 @@ class QuickSearch(Search):
 
     def _known(self, size: int) -> list[Elements]:
         """Sets of a size, the likeliest first."""
-        every = dict.fromkeys((*self.fits, *self.rough))
-        own = [s for s in every if len(s) == size and not self.outside(s)]
-        return sorted(own, key=lambda s: -self._log_evidence(s))
-
-    def _log_evidence(self, s: Elements) -> float:
-        """As judged or as the tables have it, whichever is more."""
-        judged = self.fits[s].log_evidence if s in self.fits else -np.inf
-        return max(judged, self.rough[s][0] if s in self.rough else -np.inf)
-
-    def _alike(self, s: Elements) -> float:
-        """What the tables lack of one pair they lack of those that share an element with it."""
-        gains = (gain for pair, gain in self.gained.items() if len(s) == 2 and not {*s}.isdisjoint(pair))
-        return max(gains, default=0.0)
+        known = {s: fit.log_evidence for s, fit in self.fits.items()}
+        for s, (log_evidence, _) in self.rough.items():
+            known[s] = max(log_evidence, known.get(s, -np.inf))
+        own = [s for s in known if len(s) == size and not self.outside(s)]
+        return sorted(own, key=lambda s: -known[s])
 
     def _exchange(self, size: int) -> None:
         """Look at what may stand in place of each element of the likeliest set of a size."""
@@ -831,7 +722,9 @@ class QuickSearch(Search):
         """Sets of at most ``size`` elements near the likeliest that are not done, the likeliest first."""
         weights = self._weights()
         for s, (log_evidence, _) in self.rough.items():
-            weights[s] = log_evidence + self._alike(s) + self.log_prior(s)
+            # What the tables lack of one pair they lack of those that share an element with it.
+            alike = (gain for pair, gain in self.gained.items() if len(s) == 2 and not {*s}.isdisjoint(pair))
+            weights[s] = log_evidence + max(alike, default=0.0) + self.log_prior(s)
         least = max(w for s, w in weights.items() if len(s) <= size) - room
         if least == -np.inf:
             return []
