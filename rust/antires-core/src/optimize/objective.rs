@@ -1,4 +1,4 @@
-//! What is minimized: `J(x)`, and what an objective may tell besides for the [polish](super::polish).
+//! What is minimized: `J(x)`, and what an objective may tell besides for the polish.
 //!
 //! `x` holds `n` genes inside box [bounds](super::Bounds). Two layers meet here:
 //!
