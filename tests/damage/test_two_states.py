@@ -347,19 +347,3 @@ def test_flat_options_of_before_work_and_warn(tmp_path):
     assert (paper.options["gamma1"], paper.options["snap"]) == (0.1, 1e-3)
     assert "islands" in paper.options
     assert "std_common" not in paper.options
-
-
-def test_errors_of_a_record_that_resolves_no_resonance_are_wider():
-    """Leakage is in no scatter of its averages: values of such records lie 1.4 to 1.9 stated errors off."""
-    from types import SimpleNamespace as Of
-
-    from antires_rs.damage.measured_states import _columns
-
-    def std(name, severity):
-        found = Of(data_check=Of(findings=[Of(name=name, severity=severity)]))
-        part = (3, 0, np.array([10.0]), None, 0)
-        target = Of(sets=[found], parts=[part], stds=[np.array([0.01])], single=[False], dofs_of=[[3]])
-        return float(_columns(target, {(3, 0): 0})[0].std[0])
-
-    assert std("record_length", "warning") == std("resolution", "warning") == 0.02
-    assert std("record_length", "note") == std("averages", "warning") == 0.01

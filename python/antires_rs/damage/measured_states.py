@@ -188,8 +188,6 @@ class Values(_Frequencies):
 #: tells little of how another test would come out.
 ASSUMED_STD = 5e-4
 LEAST_STD = 2e-6  # no value is known better
-#: Stated errors, of noise alone, are so much too small where sharp resonances are not resolved (leakage).
-_LEAKING = 2.0
 
 
 class Column(NamedTuple):
@@ -333,13 +331,8 @@ def _columns(target: AntiresonanceTargets, numbers: Mapping[Response, int]) -> d
     """Values by number of the response; behind the responses come channels that are none."""
     parts = zip(target.parts, target.stds, target.single, strict=True)
     n_asked = len(target.dofs_of[0])
-    check = target.sets[0].data_check
-    coarse = check is not None and any(
-        one.name in ("resolution", "record_length") and one.severity != "note" for one in check.findings
-    )
-    wider = _LEAKING if coarse else 1.0
     return {
-        numbers[dof, force]: Column(freq, wider * std, single, place < n_asked)
+        numbers[dof, force]: Column(freq, std, single, place < n_asked)
         for place, ((dof, force, freq, _, _), std, single) in enumerate(parts)
     }
 

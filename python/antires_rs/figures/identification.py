@@ -157,7 +157,7 @@ ENTRY = "entry of "  # before the name of a kind: its entry in a legend, shown w
 Marks = dict[str, dict[str, list[Any]]]
 
 
-LABEL_GAP = 0.03  # labels nearer than this share of the band are left out; hover and tables have them
+LABEL_GAP = 0.03  # labels nearer than this share of the band are left out; the hover has them
 
 
 def mark_columns(zeros: AntiresonanceSet, dof: Any, band_hz: tuple[float, float]) -> Marks:
@@ -186,7 +186,7 @@ def _marks_on(diagram: StabilizationDiagram, zeros: AntiresonanceSet | None, dof
     """The marks on a diagram: those of the set, or what the diagram itself has accepted."""
     if zeros is None:
         zeros = AntiresonanceSet.from_tables(dof, {dof: diagram.accepted})
-    return mark_columns(zeros, dof, diagram.band_hz)
+    return mark_columns(zeros, zeros._dof(dof), diagram.band_hz)
 
 
 def _mark_lines(fig: Any, marks: Marks, *, labels: bool = False, every_kind: bool = False) -> None:

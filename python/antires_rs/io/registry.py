@@ -207,7 +207,7 @@ def _axis(response: FrequencyResponse) -> str:
 
 def natural(file: Path) -> list[tuple[int, str]]:
     """test_2 before test_10."""
-    return [(int(part) if part.isdecimal() else -1, part) for part in re.split(r"(\d+)", file.name)]
+    return [(int(part) if part.isdecimal() else -1, part.lower()) for part in re.split(r"(\d+)", file.name)]
 
 
 def _differences(stems: list[str]) -> list[Any]:

@@ -249,7 +249,7 @@ def _decays(rec: Recording, low_hz: float) -> bool | None:
     rings = bool(eighths) and eighths[-1] > STILL_RINGS * fine.max() and int(np.argmax(eighths)) == 0
     if rings and np.argmax(fine >= 0.25 * fine.max()) < sharp:
         # What is damped little has not decayed where the record ends; a sine that stops is above its chord.
-        falls = np.log(eighths)
+        falls = np.log(np.maximum(eighths, np.finfo(float).tiny))
         above = np.mean(falls - np.linspace(falls[0], falls[-1], falls.size))
         if above <= ABOVE_CHORD * (falls[0] - falls[-1]):
             return True

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..models.parameters import stiffness_factor
+from ..models.structural_model import StructuralModel
 from ..support.checks import BoolArray, FloatArray
 from .problem import UpdatingProblem
 
@@ -45,7 +45,7 @@ def likely_errors(problem: UpdatingProblem, x: FloatArray, kept: BoolArray) -> F
     both = (read * resonant) @ shapes.T, (drive * resonant) @ shapes.T
     springs = both[0] * both[1] / slope[:, None]
     families = [springs * zero[:, None], springs]
-    if inner := list(_shapes_of(problem)):
+    if inner := list(_shapes_of(problem.model)):
         ways = np.array(inner).T
         families.append((both[0] @ ways) * (both[1] @ ways) / slope[:, None])
     found = [np.ones((zero.size, zero.size))]
@@ -56,19 +56,18 @@ def likely_errors(problem: UpdatingProblem, x: FloatArray, kept: BoolArray) -> F
     return np.asarray(np.mean(found, axis=0))
 
 
-def _shapes_of(problem: UpdatingProblem) -> Iterator[FloatArray]:
+def _shapes_of(model: StructuralModel) -> Iterator[FloatArray]:
     """Ways in which elements deform, (n,), of those that have several."""
-    model = problem.model
-    whole = _dense(model.stiffness())
-    for element in model._springs:
-        twice = model.with_parameters(stiffness_factor(element, bounds=(0.5, 3.0)), [2.0])
-        own = _dense(twice.stiffness()) - whole
-        at = np.flatnonzero(np.abs(own).max(axis=0) > 0.0)
-        size, ways = np.linalg.eigh(own[np.ix_(at, at)])
-        some = size > _NONE * size.max()
+    terms = model._core.stiffness_terms()
+    for rows, columns, values in (terms[element] for element in model._springs):
+        at, places = np.unique(np.concatenate([rows, columns]), return_inverse=True)
+        own = np.zeros((at.size, at.size))
+        np.add.at(own, tuple(places.reshape(2, -1)), values)
+        size, ways = np.linalg.eigh(own)
+        some = size > _NONE * size.max(initial=0.0)
         if some.sum() > 1:
             for way in ways[:, some].T:
-                shape = np.zeros(whole.shape[0])
+                shape = np.zeros(model.n_dof)
                 shape[at] = way
                 yield shape
 

@@ -124,7 +124,7 @@ def decided(problem: UpdatingProblem, x: FloatArray) -> BoolArray:
 # correlation of what a model lacks (:mod:`.discrepancy`); in the combinations that this and the stated
 # errors make independent, e.g. of equal ones its principal axes, all variances stay single ones.
 
-SHARES = (0.0, 0.9, 0.99, 0.999)  # of what the model lacks in its errors; the rest is each value's own
+SHARES = (0.0, 0.5)  # of what the model lacks in its errors; the rest is each value's own
 UNTOLD = 0.02  # error of a model of which no value to spare tells
 FLOOR = 1e-5  # no test and no model agrees better than this in omega squared: no interval has the width 0
 #: Largest error of the model, in omega squared, and the step of ln(tau).
@@ -894,6 +894,10 @@ def intervals(
         if above:
             high[j] = problem.bounds[j, 1]
             low[j] = low[j] if below else np.quantile(drawn_x[:, j], rest)
+    told = [nth for nth in fit.residuals.free if not low[nth] <= x[nth] <= high[nth]]
+    if told:
+        named = ", ".join(problem.names[nth] for nth in told[:4])
+        notes.append(f"Fitted outside its interval: {named}. The fit takes errors for independent.")
     middle, model_error = np.median(drawn_x, axis=0), float(np.median(fit.errors.tau[which]))
     columns = low, high, middle, np.std(drawn_x, axis=0), tuple(words), drawn_x
     rests = fit.chi_square, model_error, tuple(notes)
