@@ -917,8 +917,7 @@ def concluded(
     if best.candidate and learned.threshold is not None:
         odds = float(np.logaddexp.reduce([-np.inf, *damage.values()])) - weights[()]
         declared = tuple(numbers[e] for e in likeliest) if odds > learned.threshold else ()
-    # The values as the likeliest hypothesis sees them.
-    shaped = search.shaped_as(key)
+    shaped = search.shaped_as(key)  # The values as the likeliest hypothesis sees them.
     view: View = search.fits[() if key == UNKNOWN else key].view if shaped is None else shaped.view
     matched, n_free = view.n_matched, 1 if key[:1] < (-1,) else len(best.severities)
     shift = likelihood.moved_alike if key == UNKNOWN else float(np.expm1(view.shift))

@@ -279,13 +279,11 @@ class ModeResponses:
 
     groups: dict[_Dofs, int]
     measured: tuple[ModalSet, ...]
-    #: Of each set of now, the numbers of its flexible modes.
-    numbers: tuple[NDArray[np.intp], ...]
+    numbers: tuple[NDArray[np.intp], ...]  #: Of each set of now, the numbers of its flexible modes.
     highest_hz: float
     left_out: tuple[str, ...]
     assumed: bool
-    #: Sensors of each test of the intact structure.
-    tests: tuple[int, ...]
+    tests: tuple[int, ...]  #: Sensors of each test of the intact structure.
     noun = "modes"
 
     def source(self, model: StructuralModel, parts: Any) -> ModeSource:

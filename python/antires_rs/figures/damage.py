@@ -211,8 +211,7 @@ def probabilities(hypotheses: Hypotheses, most: int = MOST_ROWS) -> Panel:
     said = [", ".join(loss(*each, " %") for each in of) or "-" for of in losses]
     under = [", ".join(f"{100 * s:.1f} % ({span(low, high)})" for s, low, high in of) for of in losses]
     labels = [f"{name}\n{text}" if text else name for name, text in zip(names, under, strict=True)]
-    # Damage of candidates, no damage, what none of them explains.
-    looks: list[dict[str, Any]] = [
+    looks: list[dict[str, Any]] = [  # Damage of candidates, no damage, what none of them explains.
         {"face": "blue" if one.elements else "white"} if one.candidate else {"face": "white", "hatch": "////"}
         for one in rows
     ]

@@ -477,8 +477,7 @@ def _followed(
     if searched is not None:
         better = searched.options["fitted"] == "numerators"
         tables = with_search(tables, searched, better=better, new=options.rule.new_values)
-    # Curves of FRFs tell the roots of the FRF, but what is followed may be others.
-    of_size = (
+    of_size = (  # Curves of FRFs tell the roots of the FRF, but what is followed may be others.
         isinstance(source, FrequencyResponse) and source.kind == "frf" and near.sees != "transmissibility"
     )
     return AntiresonanceSet.from_tables(

@@ -96,8 +96,7 @@ class NumeratorFit:
         signs[1::2] *= np.where(np.arange(n)[:, None] < np.arange(n), 1.0, -1.0)
         form = np.zeros((terms, n, terms, n))
         before = np.zeros_like(row)
-        # Row i holds <i, i>, <i, i + 1>, ... only: those before are known.
-        for i in range(terms):
+        for i in range(terms):  # Row i holds <i, i>, <i, i + 1>, ... only: those before are known.
             np.multiply(np.take(row[: terms - i], place, axis=1), signs[: terms - i], out=form[i:, :, i])
             last = i + row.shape[0]
             after = b[i + 2 : last] * row[2:]
@@ -463,8 +462,7 @@ class Influence:
         keep = gap > max(UNDETERMINED * values[-1], 1e-300)
         keep[0] = False
         self._inverse = np.where(keep, 1.0 / np.where(keep, gap, 1.0), 0.0)
-        # Neighbouring lines that stand for independent draws.
-        n_lines = lines.freq_hz.size
+        n_lines = lines.freq_hz.size  # Neighbouring lines that stand for independent draws.
         ends = np.linspace(0, n_lines, min(BLOCKS, n_lines) + 1).round().astype(int)
         blocks = [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
         if lines.segments is None:

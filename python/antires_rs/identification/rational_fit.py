@@ -79,8 +79,7 @@ def roots(coefficients: FloatArray, b: FloatArray, near: ComplexArray | None = N
         found = _core.refined_roots(kept, b[: kept.size], near)
         if found is not None:
             return found
-    # s phi_k = b_{k+1} phi_{k+1} - b_k phi_{k-1}
-    return comrade_roots(coefficients, b, below=-b)
+    return comrade_roots(coefficients, b, below=-b)  # s phi_k = b_{k+1} phi_{k+1} - b_k phi_{k-1}
 
 
 def _order(coefficients: FloatArray) -> int:

@@ -256,8 +256,7 @@ def stabilization(
 class Sweep(Protocol):
     """What the selection asks of the fits of rising order."""
 
-    #: Whether there is a second, finer solution.
-    refines: bool
+    refines: bool  #: Whether there is a second, finer solution.
 
     def roots(self, order: int, norm: bool = False) -> ComplexArray:
         """All roots in rad/s; ``norm`` for those of the second, finer solution if there is one."""

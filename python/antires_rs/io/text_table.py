@@ -130,8 +130,7 @@ def _is_level(text: str) -> bool:
 
 _HEAD = 200  # rows in which the first instant is looked for
 
-#: An instant, as ISO 8601 has it, or with slashes.
-_INSTANT = re.compile(
+_INSTANT = re.compile(  #: An instant, as ISO 8601 has it, or with slashes.
     r"(\d{4})[-/](\d\d)[-/](\d\d)(?:[T ](\d\d:\d\d)(?::(\d\d)(?:[.,](\d{1,9}))?)?)?(Z|[+-]\d\d:?\d\d)?\Z"
 )
 

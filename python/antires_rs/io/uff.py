@@ -137,8 +137,7 @@ def _to_the_left(rows: Iterable[bytes], width: int) -> bool:
 
 def _binary(data: bytes, made: Dataset, numbers: int, size: int) -> Dataset:
     """The end is where the number of points says; the number of bytes beside it is often wrong."""
-    # Some programs write single precision as double.
-    for each in dict.fromkeys((size, 8)):
+    for each in dict.fromkeys((size, 8)):  # Some programs write single precision as double.
         at = made.at + made.points * numbers * each
         end = re.compile(rb"[\r\n]{0,2} {4}-1[ ]*(?=[\r\n]|\Z)").match(data, at) if at >= made.at else None
         if end:
@@ -273,8 +272,7 @@ class Function:
     reference: Point
     x: NDArray[np.float64]
     values: NDArray[Any]
-    #: Of the ordinate and its denominator.
-    unit: str
+    unit: str  #: Of the ordinate and its denominator.
     reference_unit: str = ""
     role: str = ""
     even: bool = False
@@ -361,8 +359,7 @@ def _function(
     if not (np.isfinite(values).all() and np.isfinite(x).all()):
         unsuitable(file, f"whose dataset {i} has values that are not finite", WANTED)
     own = _own(lines, first, step)
-    # The format has s and Hz; some programs label what they wrote in ms.
-    into_si = abscissa_factor(axis)
+    into_si = abscissa_factor(axis)  # The format has s and Hz; some programs label what they wrote in ms.
     if even and not into_si * step > 0.0:
         unsuitable(file, f"whose dataset {i} has a step of {into_si * step:g}", "a positive step")
     x, step = into_si * x, into_si * step

@@ -141,8 +141,7 @@ class MatrixModel(StructuralModel):
         return core, here.rows[moving].tolist()
 
     def _together(self, responses: Sequence[int], force: int) -> list[list[int]]:
-        # All dofs of one equation cannot be rows of one core.
-        dependent = self._independent.dependent
+        dependent = self._independent.dependent  # All dofs of one equation cannot be rows of one core.
         masters = dependent.masters(force)
         own = [i for i, dof in enumerate(responses) if not dependent.has(dof) and dof not in masters]
         alone = [[i] for i in sorted({*range(len(responses))} - {*own})]

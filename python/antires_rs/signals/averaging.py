@@ -385,8 +385,7 @@ class Autocorrelation:
     def power(self, n: int, band_hz: tuple[float, float]) -> FloatArray:
         """Power of all channels at equal weight in the band, as Hann segments of ``n`` samples resolve it."""
         lags = self._lags[:n] * hann_autocorrelation(n)[: self._lags.size]
-        # Negative lags, folded onto the length of a segment.
-        folded = np.zeros(n)
+        folded = np.zeros(n)  # Negative lags, folded onto the length of a segment.
         folded[: lags.size] = lags
         folded[n - lags.size + 1 :] += lags[:0:-1]
         freq = np.fft.rfftfreq(n, 1.0 / self.rec.fs_hz)

@@ -243,8 +243,7 @@ def unrelated(seen: Evidence) -> CheckResults:
     if seen.n_averages < LEAST_AVERAGES:
         count = f"{seen.n_averages:.1f} independent averages"
         return [NotTested(DEAD, f"{count} explain noise by noise; constant channels are found")]
-    # Noise explains 1/n of noise.
-    limit = max(EXPLAINED, 2.0 / seen.n_averages)
+    limit = max(EXPLAINED, 2.0 / seen.n_averages)  # Noise explains 1/n of noise.
     lost = [p for p, share in enumerate(seen.explained) if share < limit]
     if len(lost) == 2 and len(seen.dofs) == 2:
         text = (

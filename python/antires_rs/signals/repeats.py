@@ -26,8 +26,7 @@ FREEDOM = 20.0  # degrees of freedom that the scatter of a mean should have, a l
 class AveragedResponse(FrequencyResponse):
     """The average of several curves of one test, which it holds too."""
 
-    #: (R, n, n_freq) in the order given, rows as those of ``values``.
-    runs: ComplexArray
+    runs: ComplexArray  #: (R, n, n_freq) in the order given, rows as those of ``values``.
 
     def __init__(self, runs: ComplexArray, *parts: Any, **named: Any) -> None:
         super().__init__(*parts, **named)

@@ -143,8 +143,7 @@ def noise_power(matrix: ComplexArray, n_averages: float) -> FloatArray:
         unit = unit / np.linalg.norm(unit, axis=1, keepdims=True)
         along = np.einsum("fi,fji,fj->f", unit, scaled, unit.conj(), optimize=True).real
         left = auto - along[:, None] * np.abs(unit) ** 2
-    # The median, because near a resonance leakage looks like noise.
-    level = np.median(left, axis=0)
+    level = np.median(left, axis=0)  # The median, because near a resonance leakage looks like noise.
     return np.asarray(np.maximum(level, RIDGE * np.maximum(auto.mean(axis=0), 1e-300)) * root**2)
 
 
@@ -339,8 +338,7 @@ def cross_spectra(
     overlap = n_seg // 2 if noverlap is None else integer("noverlap", noverlap, low=0, high=n_seg - 1)
     taper = window_values(window, n_seg)
     freq = np.asarray(np.fft.rfftfreq(n_seg, 1.0 / rec.fs_hz), dtype=np.float64)
-    # One-sided: all lines but zero and Nyquist stand for two.
-    density = np.full(freq.size, 2.0)
+    density = np.full(freq.size, 2.0)  # One-sided: all lines but zero and Nyquist stand for two.
     density[[0] if n_seg % 2 else [0, -1]] = 1.0
     lines = slice(0, freq.size) if band_hz is None else lines_in(freq, band_hz)
     freq = freq[lines]
