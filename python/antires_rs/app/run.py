@@ -333,8 +333,7 @@ def _losses(result: DamageResult, at_once: bool) -> dict[str, Any]:
     chance = result.probability if judged else {}
     seen = {} if at_once else result.detectable
     elements = result.severity.keys()
-    hypotheses = result.hypotheses if judged else ()
-    probable = [one for one in hypotheses if one.probability >= _LEAST]
+    probable = [one for one in (result.hypotheses if judged else ()) if one.probability >= _LEAST]
     figures = ("probability_of_damage", "probability_elsewhere", "chi_square")
     return {
         "headline": result.headline if judged else None,

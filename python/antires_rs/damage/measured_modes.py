@@ -59,8 +59,7 @@ class ModeRoots(Roots):
 
     def between(self, low: float, high: float) -> NDArray[np.bool_]:
         """Which belong to a mode between two ln f."""
-        inside = (self.frequencies > low) & (self.frequencies < high)
-        return np.repeat(inside, self.each)
+        return np.repeat((self.frequencies > low) & (self.frequencies < high), self.each)
 
     def only(self, kept: NDArray[np.bool_]) -> ModeRoots:
         """Some of the modes; ``kept`` is by root."""
@@ -94,8 +93,7 @@ class ModeRoots(Roots):
             turned = basis.copy()
             turned[old] = _turned(known, shapes[old], before.bases[group][was[old]])
             if slopes is not None:  # slopes are coordinates as well
-                moved = basis @ slopes[:, at]
-                slopes[:, at] = facing[:, None, None] * (turned.transpose(0, 2, 1) @ moved)
+                slopes[:, at] = facing[:, None, None] * (turned.transpose(0, 2, 1) @ (basis @ slopes[:, at]))
             place[:, at] = 0.0
             place[old, at] = -np.einsum("mij,mi->mj", turned[old], known)
             bases.append(turned)

@@ -230,5 +230,4 @@ def probabilities(hypotheses: Hypotheses, most: int = MOST_ROWS) -> Panel:
     shown = ["< 0.001" if p < 0.0005 else "> 0.999" if p > 0.9995 else f"{p:.3f}" for p in values]
     marks.append(Words(values, range(len(values)), shown, "right", 5.0))
     x = Axis("Probability", (0.0, 1.12), at=np.linspace(0.0, 1.0, 6))
-    y = Axis("", (len(names) - 0.4, -0.6), names=labels)
-    return Panel("hypotheses", x, y, marks, grid="x")
+    return Panel("hypotheses", x, Axis("", (len(names) - 0.4, -0.6), names=labels), marks, grid="x")

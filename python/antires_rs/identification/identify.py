@@ -450,8 +450,7 @@ def _looks(
     if asked:
         needed = f"a band with at least {2 * LEAST_LINES} lines for local fits"
         reject("band_hz", f"({band[0]:g}, {band[1]:g}) Hz", needed, "Widen the band, or record for longer.")
-    averaged = averages.spectra.n_averages > 1
-    return [], replace(options, formulation="numerators" if averaged else "windows")
+    return [], replace(options, formulation="numerators" if averages.spectra.n_averages > 1 else "windows")
 
 
 def _followed(

@@ -94,8 +94,7 @@ class Lines:
         if self.runs is None:
             return self
         draws = np.arange(self.runs.shape[2])
-        each = Segments.of(np.sqrt(self.snr)[:, None, None] * self.runs)
-        return replace(self, segments=each, draws=draws)
+        return replace(self, segments=Segments.of(np.sqrt(self.snr)[:, None, None] * self.runs), draws=draws)
 
     @property
     def n_tests(self) -> int:

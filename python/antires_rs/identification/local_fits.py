@@ -70,8 +70,7 @@ def stretches(freq_hz: FloatArray, ratio: float, least: int) -> list[Stretch]:
 
 def around(freq_hz: FloatArray, value_hz: float, ratio: float, least: int) -> Stretch:
     """The stretch of a scale with this value in its middle, as far as the band reaches."""
-    spacing = float(np.median(np.diff(freq_hz)))
-    half = max(value_hz * (np.sqrt(ratio) - 1.0), 0.5 * least * spacing)
+    half = max(value_hz * (np.sqrt(ratio) - 1.0), 0.5 * least * float(np.median(np.diff(freq_hz))))
     first, last = np.searchsorted(freq_hz, (value_hz - half, value_hz + half))
     return _stretch(freq_hz, int(first), max(int(last), int(first) + 2))
 

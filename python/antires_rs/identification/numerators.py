@@ -561,8 +561,7 @@ def misfit_ahead(cuts: Sequence[tuple[Lines, Likeliest]]) -> float:
 def _off(lines: Lines, best: Likeliest) -> FloatArray:
     """Squared distance of held-back directions from a fit to the others, over that of noise, by line."""
     assert lines.segments is not None
-    step = -(-lines.freq_hz.size // LINES_AHEAD)
-    part = slice(None, None, step)
+    part = slice(None, None, -(-lines.freq_hz.size // LINES_AHEAD))
     x = lines.segments.at(part)
     halves = (np.ascontiguousarray(x[..., first::2]) for first in (0, 1))
     fitted, held = (half @ half.conj().transpose(0, 2, 1) / half.shape[2] for half in halves)

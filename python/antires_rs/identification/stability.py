@@ -227,8 +227,7 @@ def _of_decays(
     stacked = np.array(vectors)
     stacked[1:] = leave_out(stacked[1:])
     floor = own_noise / np.maximum(largest, 1e-300)[:, None]
-    weights = snr / (1.0 + snr / SNR_CAP)
-    return Look(freq[some], stacked, weights, floor, decay, own_range=True)
+    return Look(freq[some], stacked, snr / (1.0 + snr / SNR_CAP), floor, decay, own_range=True)
 
 
 # -- Candidates and their shares
@@ -599,8 +598,7 @@ def _best_scale(by_scale: list[list[FloatArray]], look: Look) -> _Seen | None:
 def noisy(vectors: ComplexArray, noise: FloatArray, rng: np.random.Generator) -> ComplexArray:
     """Views with noise of this power added, in every second one a channel left out."""
     drawn = rng.standard_normal((2, VIEWS, *vectors.shape))
-    views = vectors + (drawn[0] + 1j * drawn[1]) * np.sqrt(0.5 * noise)
-    return leave_out(views)
+    return leave_out(vectors + (drawn[0] + 1j * drawn[1]) * np.sqrt(0.5 * noise))
 
 
 def leave_out(views: ComplexArray) -> ComplexArray:

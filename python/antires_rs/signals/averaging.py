@@ -181,8 +181,7 @@ def find_events(rec: Recording, low_hz: float) -> tuple[Event, ...]:
         stop = hits[i + 1] * block if i + 1 < len(hits) else rec.n_samples
         # Anti-alias filters ring before the impact: start a little earlier, but not inside the last event's
         # tail.
-        early = max(4 * block, (stop - b * block) // 50)
-        start = max(0, b * block - early)
+        start = max(0, b * block - max(4 * block, (stop - b * block) // 50))
         events.append((start, b * block, stop))
     stops = [start for start, _, _ in events[1:]] + [rec.n_samples]
     return tuple(Event(start, hit, stop) for (start, hit, _), stop in zip(events, stops, strict=True))
@@ -211,8 +210,7 @@ def until_noise(x: FloatArray, event: Event, level: FloatArray, fs_hz: float) ->
     """Sample at which the energy of half seconds has fallen to ``CUT_AT`` times the noise."""
     energy = np.mean(x[:, event.hit : event.stop] ** 2 / level[:, None], axis=0)
     block = max(8, min(int(0.5 * fs_hz), energy.size // 16))
-    means = energy[: energy.size // block * block].reshape(-1, block).mean(axis=1)
-    low = np.flatnonzero(means < CUT_AT)
+    low = np.flatnonzero(energy[: energy.size // block * block].reshape(-1, block).mean(axis=1) < CUT_AT)
     return min(event.stop, event.hit + (int(low[0]) + 1) * block) if low.size else event.stop
 
 
@@ -400,8 +398,7 @@ def fast_length(least: int) -> int:
     while fives < best:
         odd = fives
         while odd < best:
-            twos = max(-(-least // odd) - 1, 0).bit_length()
-            best = min(best, odd << twos)
+            best = min(best, odd << max(-(-least // odd) - 1, 0).bit_length())
             odd *= 3
         fives *= 5
     return best
@@ -490,8 +487,7 @@ def beside(spectra: CrossSpectra, hum: Hum | None) -> CrossSpectra:
     """The lines that no hum reaches."""
     if hum is None:
         return spectra
-    spacing = float(np.median(np.diff(spectra.freq_hz)))
-    return spectra.part(hum.outside(spectra.freq_hz, 1.0 / spacing))
+    return spectra.part(hum.outside(spectra.freq_hz, 1.0 / float(np.median(np.diff(spectra.freq_hz)))))
 
 
 METHODS = ("auto", "welch", "transient")

@@ -219,8 +219,7 @@ ALIKE = 1e-3
 
 def alike(seen: Evidence) -> CheckResults:
     """Channels that all do the same in the whole band."""
-    size = np.sqrt(np.mean(np.abs(seen.vectors) ** 2, axis=0))
-    unit = seen.vectors / np.maximum(size, 1e-300)
+    unit = seen.vectors / np.maximum(np.sqrt(np.mean(np.abs(seen.vectors) ** 2, axis=0)), 1e-300)
     unit = unit / np.maximum(np.linalg.norm(unit, axis=1, keepdims=True), 1e-300)
     left = 1.0 - float(np.linalg.eigvalsh(unit.T @ unit.conj() / len(unit))[-1])
     if len(seen.dofs) < 2 or left > ALIKE:

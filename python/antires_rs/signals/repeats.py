@@ -56,8 +56,7 @@ def averaged(responses: Sequence[FrequencyResponse], name: str = "source") -> Fr
     first = responses[0]
     if len(responses) == 1:
         return first
-    rows = [_as_first(first, one, Argument(name).item(i)) for i, one in enumerate(responses)]
-    values = np.stack(rows)
+    values = np.stack([_as_first(first, one, Argument(name).item(i)) for i, one in enumerate(responses)])
     if first.reference is None:
         mean = np.asarray(values.mean(axis=0), dtype=np.complex128)
     else:

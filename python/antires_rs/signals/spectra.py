@@ -523,8 +523,7 @@ def std_of_coherence(values: ComplexArray, coherence: FloatArray, n_averages: fl
 
 def std_of_rank_one(matrix: ComplexArray, j: int, n_averages: float) -> FloatArray:
     """Standard deviation of real and imaginary part of the rank-one T_pj, (n_channels, n_freq)."""
-    noise = noise_power(matrix, n_averages)
-    root = np.sqrt(noise)
+    root = np.sqrt(noise_power(matrix, n_averages))
     # conj(A) B is the transpose of the covariance whose eigenvectors are wanted; eigenvalues ascend.
     values, vectors = np.linalg.eigh((matrix / (root[:, None] * root)).transpose(0, 2, 1))
     first = np.maximum(values[:, -1:], 1e-300)

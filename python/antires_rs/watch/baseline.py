@@ -317,8 +317,7 @@ class Learned:
         excess = np.nan_to_num(np.maximum(std**2 - (_POOR * self.usual) ** 2, 0.0))
         x = self.basis.rows(conditions, n)
         unsure = 1.0 + np.einsum("ij,jk,ik->i", x, self.regression.inverse, x)  # of the line, and of one test
-        bent = self.beyond(conditions, n) ** 2
-        return np.asarray(np.sqrt(self.variance * unsure[:, None] + excess + bent))
+        return np.asarray(np.sqrt(self.variance * unsure[:, None] + excess + self.beyond(conditions, n) ** 2))
 
     def beyond(self, conditions: Mapping[str, FloatArray], n: int) -> FloatArray:
         """Standard deviation, (n, m), of what each value does by itself outside the baseline's range."""
