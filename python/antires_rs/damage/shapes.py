@@ -358,10 +358,7 @@ class Inner(NamedTuple):
 
 
 class Frame(Structure):
-    """The geometry of a frame, its matrices with every dof free, and the shapes that these give.
-
-    ``factor`` is that of each element's stiffness, after the baseline.
-    """
+    """Geometry of a frame, its matrices with every dof free, its shapes with the baseline's ``factor``."""
 
     def __init__(self, model: FrameModel, highest_hz: float = 0.0) -> None:
         recipe = model._recipe

@@ -87,10 +87,7 @@ def diagrams_of(
     looks: Sequence[Look] = (),
     fits: Sequence[Likeliest] = (),
 ) -> dict[Any, StabilizationDiagram]:
-    """One diagram for each of ``dofs``, by the formulation of the options, which is no longer "auto".
-
-    ``fits`` are the likeliest numerators of every window where they are known.
-    """
+    """A diagram for each dof, by a formulation not "auto"; ``fits``: likeliest numerators of windows."""
     first = lines_for(FORCE if options.use_force else 0)
     if options.formulation == "directions":
         found = dict(zip(dofs, direction_diagrams(looks, first, len(dofs), band, options), strict=True))

@@ -112,10 +112,7 @@ def fits(
     weights: FloatArray,
     orders: tuple[int, ...],
 ) -> list[LocalFits]:
-    """Fit vectors (n_views, n_fitted, n_rows), unit or zero, at the lines of each of some stretches.
-
-    The weights of the lines (n_freq,) and the iteration are those of the first view.
-    """
+    """Fit vectors (n_views, n_fitted, n_rows), unit or zero, over stretches, with the first one's weights."""
     numbers = max(own.size for own in vectors) * (orders[-1] + 1)
     count = max(1, AT_A_TIME // numbers)
     if len(over) > count:

@@ -157,10 +157,7 @@ class NumeratorFit:
         return np.asarray(out * self._signs[: order + 1, None])
 
     def zeros(self, own: FloatArray, near: ComplexArray | None = None) -> ComplexArray:
-        """Roots in rad/s of a numerator with coefficients ``own``, (order + 1,).
-
-        ``near`` are those of the order before, if they are known.
-        """
+        """Roots in rad/s of a numerator ``own``, (order + 1,); ``near``: of the order before, if known."""
         unit = 2 * np.pi * self.scale_hz
         own = np.ascontiguousarray(own)
         return roots(own, self.basis.b[: own.size], None if near is None else near / unit) * unit

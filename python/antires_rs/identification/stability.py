@@ -93,10 +93,7 @@ class Look:
 
 
 def looks_of(averages: Averages, band_hz: tuple[float, float], *, one: bool = False) -> list[Look]:
-    """Resolutions of a record, or ``one`` for all of the band: segments of three lengths, windows of decays.
-
-    Without those that have too few lines in the band; none may be left.
-    """
+    """Looks at a record, or ``one`` for all of the band, but for those of too few lines; none may be left."""
     rng, rec = np.random.default_rng(SEED), averages.rec
     if averages.nperseg is None:
         return _of_impacts(rec, band_hz, averages.hum, rng, one=one)
@@ -187,11 +184,7 @@ def _of_decays(
     highest_hz: float,
     rng: np.random.Generator,
 ) -> Look | None:
-    """One window; None of too few lines.
-
-    It begins some periods of the highest frequency before the impacts, and half a period of the lowest, over
-    which the mean that is taken off reaches.
-    """
+    """One window from before the impacts on, as far as the mean taken off reaches; None of too few lines."""
     lead = int(np.ceil(LEAD * fs_hz / highest_hz + 0.5 * fs_hz / band_hz[0]))
     length = lead + int(length_s * fs_hz)
     decay = -np.log(WINDOWED_END) * fs_hz / length

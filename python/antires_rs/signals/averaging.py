@@ -227,10 +227,7 @@ CUT_AT = 10.0  # a decay ends where its energy has fallen to so many times the n
 
 @_once
 def _decays(rec: Recording, low_hz: float) -> bool | None:
-    """Whether the one event of a record is a decay; earthquakes and sines that stop rise from rest, too.
-
-    None where the record has no impact in it.
-    """
+    """Whether the one event is a decay; sines that stop rise from rest, too. None without an impact."""
     try:
         events = find_events(rec, low_hz)
     except UnsuitableDataError:

@@ -439,10 +439,7 @@ def direction_noise(directions: ComplexArray) -> FloatArray:
 
 
 def noise_shares(noise: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """A noise power (n_rows, n_freq) as the product of one of the row and one of the line.
-
-    Rows by medians, since a few lines of a sharp resonance look noisy in all; lines by means.
-    """
+    """A noise power (n_rows, n_freq) as row times line: medians, for sharp peaks look noisy in all; means."""
     row = np.median(noise, axis=1)
     row = np.maximum(row, LEAST_SHARE * float(np.median(row)))
     return row, np.mean(noise / row[:, None], axis=0)
