@@ -106,8 +106,7 @@ def test_one_state_of_a_chain(mistake):
     assert NAMED.get(mistake, "") in said
 
 
-#: Of a frame these take seconds.
-LONG = {"springs in kgf/mm", "frequencies in rpm", "force at another dof"}
+LONG = {"springs in kgf/mm", "frequencies in rpm", "force at another dof"}  #: Of a frame these take seconds.
 
 
 @pytest.mark.parametrize("mistake", some_of(MISTAKES, set(MISTAKES) - LONG))

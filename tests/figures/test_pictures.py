@@ -16,8 +16,7 @@ from antires_rs.signals.data_check import check_data
 from tests.support import every_picture, four_masses
 from tests.support.four_masses import BAND, DOFS, SPRINGS, chain, exact
 
-#: Every public picture: the units in its labels.
-PICTURES = {
+PICTURES = {  #: Every public picture: the units in its labels.
     "stabilization": ("(Hz)", "(-)"),
     "singular_values": ("(Hz)", "(dB re noise power)"),
     "responses": ("(Hz)", "(dB)"),

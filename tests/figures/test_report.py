@@ -19,8 +19,7 @@ from tests.support.pictures import drawn_quickly
 
 NASTY = "</script><script>alert('K & M')</script>"
 VOID = {"meta", "img", "br", "link"}
-#: Attributes by which a page makes a browser ask for something.
-LOADING = {
+LOADING = {  #: Attributes by which a page makes a browser ask for something.
     *("src", "srcset", "href", "data", "poster", "action", "formaction"),
     *("background", "manifest", "ping", "cite", "longdesc", "xlink:href"),
 }

@@ -76,8 +76,7 @@ def damped_zeros(n=7, k_over_m=5e4, damping=0.01):
 
 @pytest.mark.parametrize("seeds", some_of([range(40, 43), range(40, 46)]))
 def test_stated_deviations_cover_white_noise(seeds):
-    # 90 % intervals of the driving point's zeros, over seeds that nothing was set on.
-    truth = damped_zeros()
+    truth = damped_zeros()  # 90 % intervals of the driving point's zeros, over seeds that nothing was set on.
     truth = truth[(truth > BAND[0]) & (truth < BAND[1])]
     inside = asked = 0
     stated, errors = [], []
@@ -153,8 +152,7 @@ def test_options_that_count_are_no_cause_for_a_warning_and_few_orders_are_enough
         {"max_order": 16, "fit": ar.FitOptions(min_share=0.4, freq_tol=0.02)},
     ):
         zeros_of(rough(), **options)
-    # Chains of more than min_rows = 10 orders are the sweep's.
-    found = zeros_of(rough(), max_order=8)
+    found = zeros_of(rough(), max_order=8)  # Chains of more than min_rows = 10 orders are the sweep's.
     assert found[0].size >= 3
     assert max(d.orders.max() for d in found.diagrams.values()) <= 8
     with pytest.raises(ar.InvalidInputError, match="^max_order"):

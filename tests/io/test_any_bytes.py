@@ -24,8 +24,7 @@ for _package in ("pyuff", "h5py"):
 ONE_FILE = settings(
     deadline=20_000, max_examples=examples(60), suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
-#: Dofs as files may hold them; control characters are refused by name.
-DOFS = st.one_of(
+DOFS = st.one_of(  #: Dofs as files may hold them; control characters are refused by name.
     st.integers(0, 10**6),
     st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"]), min_size=1, max_size=12),
 )

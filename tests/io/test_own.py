@@ -59,8 +59,7 @@ def test_the_force_is_dropped(files, kind):
         read(files[0]["response"][0], force="force")
 
 
-#: Of a record, of responses; and the formats that have such an option.
-WRONG = [
+WRONG = [  #: Of a record, of responses; and the formats that have such an option.
     ({"unit": "g"}, {"unit": "g/N"}, "npz hdf5 mat csv"),
     ({"fs_hz": 100.0}, {"fs_hz": 512.0}, "npz hdf5 mat csv"),
     ({"kind": "frf"}, {"kind": "frf"}, "npz hdf5 mat csv"),

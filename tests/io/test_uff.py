@@ -103,8 +103,7 @@ def test_frfs_of_several_references(tmp_path):
 def test_transmissibilities_get_the_row_of_their_reference(tmp_path):
     made = response(kind="transmissibility", dofs=("1+Z", "2+Z", "3+Z"), coherence=False, averages=None)
     data = ar.write_uff(tmp_path / "a.uff", made).read_bytes()
-    # The same without our marks, and without the reference's own set.
-    third = len(data) // 3
+    third = len(data) // 3  # The same without our marks, and without the reference's own set.
     path = tmp_path / "b.uff"
     path.write_bytes((data[:third] + data[2 * third :]).replace(b"antires_rs uff", b"another program"))
     found = ar.read_uff(path)

@@ -11,10 +11,8 @@ from tests.models.shared import quietly
 from tests.support.campaign import some_of
 from tests.support.tolerances import AGAINST_SCIPY, CLOSED_FORM, EIGH, FRF, ZERO_ROOT
 
-#: Of each model a driving point and three random pairs.
-PAIRS = 3
-#: 4 kinds of 125 make the 500 models of the README; the suite has 30 of each.
-MODELS = some_of([30, 125])
+PAIRS = 3  #: Of each model a driving point and three random pairs.
+MODELS = some_of([30, 125])  #: 4 kinds of 125 make the 500 models of the README; the suite has 30 of each.
 #: At most this share of pairs may be skipped because the oracle itself is in doubt: 13 of 500 in frames
 #: (dofs far apart around loops, QZ good to 1e-4 only) and in symmetric structures (defective multiple
 #: roots of rings), 5 in random pairs (roots at zero), none in chains.

@@ -26,8 +26,7 @@ def test_names_are_sorted_and_every_exception_is_among_them():
     assert family <= set(ar.__all__)
 
 
-#: Everything but the version.
-PUBLIC = [name for name in ar.__all__ if name != "__version__"]
+PUBLIC = [name for name in ar.__all__ if name != "__version__"]  #: Everything but the version.
 
 
 @pytest.mark.parametrize("name", PUBLIC)

@@ -50,8 +50,7 @@ def test_estimators_have_their_textbook_bias():
     loud = noisy_pair(0.5, 0.0)
     assert loud["h1"] == pytest.approx(3.0 / 1.25, rel=5e-3)
     assert loud["h2"] == pytest.approx(3.0, rel=5e-3)
-    # Equal relative noise on both sides: total least squares is unbiased.
-    both = noisy_pair(0.5, 0.5)
+    both = noisy_pair(0.5, 0.5)  # Equal relative noise on both sides: total least squares is unbiased.
     assert both["hv"] == pytest.approx(3.0, rel=5e-3)
 
 

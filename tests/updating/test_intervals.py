@@ -153,8 +153,7 @@ def test_what_is_not_seen_gets_the_bounds_back(free_chain):
     assert np.sum((found.low <= x) & (x <= found.high)) >= 13
     assert result.profile("mass 0", points=5).kind == "flat"
     assert any(result.profile("stiffness of spring 3", points=9).others_on_bound)
-    # Ratios are known to about the errors of the values.
-    ratio = found.draws[:, 5] / found.draws[:, 9]
+    ratio = found.draws[:, 5] / found.draws[:, 9]  # Ratios are known to about the errors of the values.
     assert ratio.std() < 0.01
     assert result.interval == result.intervals().interval
 

@@ -216,8 +216,7 @@ def test_nothing_jumps_where_an_antiresonance_leaves_the_band(others):
     # Beyond the limit there is no partner and each value counts as one.
     assert np.isnan(problem.paired_hz([factors[-1]])).all()
     np.testing.assert_array_equal(residuals[-1], 1.0)
-    # Below 1.49 times the highest it is the documented e.
-    plain = ratio < 1.49
+    plain = ratio < 1.49  # Below 1.49 times the highest it is the documented e.
     wanted = (gone_hz(factors[plain])[:, None] / np.array(measured)) ** 2 - 1.0
     np.testing.assert_allclose(residuals[plain], wanted, rtol=1e-9, atol=1e-12)
     # In between J falls from there to what is left, evenly: no step is more than a few of the mean slope.

@@ -30,8 +30,7 @@ def test_a_transmissibility_sees_what_a_node_hides_but_not_what_all_channels_sha
     for sees in ("transmissibility", None):
         assert paired({3: ON_NODES}, sees) == pytest.approx(ON_NODES, abs=0.005)
     assert np.isnan(paired({3: ON_NODES}, "frf")).all()
-    # Force on the node of the odd modes, whose roots are in every numerator.
-    given = {2: [15.84, 44.38]}
+    given = {2: [15.84, 44.38]}  # Force on the node of the odd modes, whose roots are in every numerator.
     assert paired(given, None, force=3) == pytest.approx([15.84, 44.38], abs=0.005)
     shown = CHAIN.antiresonances(2, 3)
     for sees in ("transmissibility", "frf"):
@@ -79,8 +78,7 @@ def test_the_objective_does_not_jump_where_the_symmetry_breaks():
 def test_halves_of_complex_zeros_are_left_out_and_named():
     case = next(c for c in cases() if c.name == "10 masses, 2 held")
     model = case.build(0.003)
-    # At sensor 2 of this ring two antiresonances have met.
-    dof, freq, part = next(
+    dof, freq, part = next(  # At sensor 2 of this ring two antiresonances have met.
         (d, f[0], p[0])
         for d in case.sensors
         for f, p in [complex_zeros(model, d, case.excitation, 78.0)]

@@ -57,8 +57,7 @@ def test_what_is_followed_can_be_given(tests, series):
         ar.identify_series(tests[:2], **OPTIONS, near=-1)
 
 
-#: Records that do not suit the others: of the responses (4, n), their rate and dofs.
-UNFIT = {
+UNFIT = {  #: Records that do not suit the others: of the responses (4, n), their rate and dofs.
     "other dofs": lambda x, fs, dofs: (x, fs, ["a", "b", "c", "d"]),
     "fewer channels": lambda x, fs, dofs: (x[:3], fs, dofs[:3]),
     "one channel": lambda x, fs, dofs: (x[:1], fs, dofs[:1]),
