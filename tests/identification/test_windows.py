@@ -17,8 +17,7 @@ def free_chain(n=7, k_over_m=5e4, damping=0.01, sensors=range(7), force=0, noise
     stiffness = k_over_m * (2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1))
     stiffness[0, 0] = stiffness[-1, -1] = k_over_m
     freq = np.arange(5.0, 75.0, 0.05)
-    w = 2 * np.pi * freq
-    dynamic = stiffness[None] * (1.0 + 2j * damping) - (w**2)[:, None, None] * np.eye(n)
+    dynamic = stiffness[None] * (1.0 + 2j * damping) - ((2 * np.pi * freq) ** 2)[:, None, None] * np.eye(n)
     column = np.linalg.inv(dynamic)[:, :, force].T[list(sensors)]
     rng = np.random.default_rng(seed)
     rough = rng.standard_normal(column.shape) + 1j * rng.standard_normal(column.shape)
@@ -81,8 +80,7 @@ def test_stated_deviations_cover_white_noise(seeds):
     inside = asked = 0
     stated, errors = [], []
     for seed in seeds:
-        found = zeros_of(free_chain(noise=0.02, seed=seed, sensors=(0, 2, 5)))
-        table = found.tables[0]
+        table = zeros_of(free_chain(noise=0.02, seed=seed, sensors=(0, 2, 5))).tables[0]
         for f in truth:
             near = np.abs(table.freq_hz / f - 1.0) < 0.01
             assert near.sum() == 1, f
@@ -99,8 +97,7 @@ def test_stated_deviations_cover_white_noise(seeds):
 @pytest.mark.parametrize("kind", some_of(["transmissibility", "frf"]))
 def test_three_storey_replica(kind):
     frfs = next(m.frfs for m in structures() if m.name == "three-storey replica")
-    source = frfs if kind == "frf" else as_transmissibilities(frfs, 0)
-    found = zeros_of(source, (10.0, 95.0))
+    found = zeros_of(frfs if kind == "frf" else as_transmissibilities(frfs, 0), (10.0, 95.0))
     read = {0: [44.2, 66.9], 1: [76.4], 2: [27.3], 3: [17.4, 58.9]}
     for dof, values in read.items():
         assert found[dof] == pytest.approx(values, rel=5e-3)
@@ -119,8 +116,7 @@ def plate_counts(state):
     """Dips found by FRFs, after the transmissibilities were seen to lose none of their values."""
     measured = plate(state)
     found = zeros_of(measured.frfs, measured.band_hz, "x")
-    quotients = as_transmissibilities(measured.frfs, REFERENCE)
-    other = zeros_of(quotients, measured.band_hz, "x")
+    other = zeros_of(as_transmissibilities(measured.frfs, REFERENCE), measured.band_hz, "x")
     lost = [f for dof in found for f in found[dof] if not np.any(np.abs(other[dof] / f - 1.0) < 2e-3)]
     assert len(lost) <= 1
     return counted(measured, found)

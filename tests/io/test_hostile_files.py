@@ -95,8 +95,7 @@ def stated_dofs(path):
 
 def stated_dofs_of_nastran(path):
     head = f"{99999999:8d}{99999999:8d}{6:8d}{2:8d}{'K':8s}1P,3E23.16\n"
-    last = f"{100000000:8d}{1:8d}{1:8d}\n 1.0000000000000000E+00\n"
-    path.with_suffix(".op4").write_text(head + last)
+    path.with_suffix(".op4").write_text(head + f"{100000000:8d}{1:8d}{1:8d}\n 1.0000000000000000E+00\n")
     return path.with_suffix(".op4"), "."
 
 

@@ -156,8 +156,7 @@ def test_another_text_is_refused(tmp_path, change, said):
 def test_another_program_reads_and_writes_our_universal_files(tmp_path, binary):
     import pyuff
 
-    file = ar.write_uff(tmp_path / "a.uff", RECORD, binary=binary)
-    sets = pyuff.UFF(str(file)).read_sets()
+    sets = pyuff.UFF(str(ar.write_uff(tmp_path / "a.uff", RECORD, binary=binary))).read_sets()
     np.testing.assert_allclose([s["data"] for s in sets], RECORD.responses, rtol=1e-11)
     for s in sets:
         s |= {"data": 2.0 * s["data"], "binary": 0}

@@ -132,8 +132,7 @@ STUDIES = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
 
 def test_the_example_runs_as_printed(capsys):
     (example,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
-    lines = [line for line in example.splitlines() if line.strip()]
-    assert len(lines) <= 15
+    assert len([line for line in example.splitlines() if line.strip()]) <= 15
     exec(compile(example, "README.md", "exec"), {})
     assert "spring 4" in capsys.readouterr().out
 

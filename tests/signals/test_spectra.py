@@ -202,8 +202,7 @@ def test_the_check_within_an_identification_is_the_check_alone(record):
 def test_the_choice_follows_the_damping():
     case = ar.cases.chain8()
     records = (case.experiment(damping_ratio=ratio, duration_s=256.0, rng=1) for ratio in (0.01, 0.02))
-    chosen = [choose_nperseg(record, BAND) for record in records]
-    assert chosen == [16384, 8192]
+    assert [choose_nperseg(record, BAND) for record in records] == [16384, 8192]
 
 
 def test_averages_and_their_check_need_less_than_the_record_beside_it():

@@ -208,8 +208,7 @@ def gone_hz(factor):
 def test_nothing_jumps_where_an_antiresonance_leaves_the_band(others):
     chain = ar.MassSpringChain([1.0, 1.0], [400.0], ground_last_n_per_m=400.0)
     measured, factors = [*others, gone_hz(1.0)], np.linspace(1.0, 4.0, 6001)
-    spring = ar.stiffness_factor([0], bounds=(0.5, 10.0))
-    problem = ar.UpdatingProblem(chain, spring, zeros({0: measured}))
+    problem = ar.UpdatingProblem(chain, ar.stiffness_factor([0], bounds=(0.5, 10.0)), zeros({0: measured}))
     costs = problem.evaluate_many(factors[:, None])
     residuals = np.array([problem.residuals(row) for row in factors[:, None]])
     ratio = gone_hz(factors) / measured[-1]

@@ -120,8 +120,7 @@ def test_standard_deviations_are_those_of_repeated_measurements():
 
 
 def ended_at(result, x):
-    search = dataclasses.replace(result.search, x=np.array(x))
-    return ar.UpdateResult(result.problem, search, result.seed)
+    return ar.UpdateResult(result.problem, dataclasses.replace(result.search, x=np.array(x)), result.seed)
 
 
 def test_a_parameter_on_its_bound_is_named():

@@ -39,8 +39,7 @@ def test_values_followed_from_one_are_compared_however_far_they_moved():
 
 def test_a_store_goes_on_with_the_same_values(tests, series, tmp_path):
     store = tmp_path / "hits.sqlite"
-    few = ar.identify_series(tests[:4], **OPTIONS, store=store)
-    assert few[0].options["fitted"] == "followed"
+    assert ar.identify_series(tests[:4], **OPTIONS, store=store)[0].options["fitted"] == "followed"
     # Four together have other values than eight: what was kept is followed again.
     assert ar.identify_series(tests, **OPTIONS, store=store) == series
     assert ar.identify_series(tests, **OPTIONS, store=store) == series
