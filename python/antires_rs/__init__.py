@@ -38,8 +38,7 @@ def __getattr__(name: str) -> object:
         except ModuleNotFoundError as exc:
             if exc.name != module:  # one that the module itself asks for
                 raise
-    # With name and obj, Python proposes what was meant.
-    raise AttributeError(
+    raise AttributeError(  # With name and obj, Python proposes what was meant.
         f"module {__name__!r} has no attribute {name!r}", name=name, obj=_import_module(__name__)
     )
 

@@ -9,8 +9,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-# By class and verb: the function, in "room.module:function".
-VIEWS = {
+VIEWS = {  # By class and verb: the function, in "room.module:function".
     ("AntiresonanceSet", "look"): "figures.page:of_set",
     ("AntiresonanceSet", "plot"): "figures.identification:plot_stabilization",
     ("AntiresonanceSet", "to_dataframe"): "io.data_frames:to_dataframe",

@@ -178,8 +178,7 @@ def test_what_another_process_is_writing_to_the_same_file_is_left_alone(tmp_path
     with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as other:
         lives = tmp_path / f".zeros.json.{other.pid}.tmp"
         lives.write_text("half")
-        unrelated = tmp_path / ".zeros.json.tmp"
-        unrelated.write_text("someone's")
+        (tmp_path / ".zeros.json.tmp").write_text("someone's")
         write_measured(tmp_path)
         zeros = ar.AntiresonanceSet.load(tmp_path / "measured.json")
         zeros.save(tmp_path / "zeros.json")

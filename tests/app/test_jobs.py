@@ -216,8 +216,7 @@ def test_dofs_of_a_frame_by_node_and_direction(tmp_path):
     zeros = damaged.antiresonances(list(dofs.values()), dofs["4 v"], f_max_hz=600.0)
     ar.AntiresonanceSet("node 4 v", dict(zip(dofs, zeros, strict=True))).save(tmp_path / "measured.json")
     job = with_model(DAMAGE, FRAME).replace("[damage]", "[damage]\nelements = [0, 1, 2, 3]")
-    summary = run(tmp_path, job)
-    assert losses(summary) == {"element 1": 0.4}
+    assert losses(run(tmp_path, job)) == {"element 1": 0.4}
 
 
 def test_matrices_of_other_programs(tmp_path):
@@ -234,8 +233,7 @@ def test_matrices_of_other_programs(tmp_path):
     named = {f"{dof + 101}+Z": exact[dof] for dof in exact}
     ar.AntiresonanceSet("101+Z", named).save(tmp_path / "measured.json")
     files = 'stiffness = "K.mtx"\nmass = "M.mtx"\nstiffness_terms = "K_*.mtx"\ndof_map = "K.mapping"\n'
-    summary = run(tmp_path, with_model(DAMAGE, f'[model]\nkind = "matrices"\n{files}'))
-    assert summary["damaged"] == [4]
+    assert run(tmp_path, with_model(DAMAGE, f'[model]\nkind = "matrices"\n{files}'))["damaged"] == [4]
     terms = [tmp_path / f"K_{i + 5}.mtx" for i in range(7)]
     model = ar.read_matrices(tmp_path / "K.mtx", tmp_path / "M.mtx", stiffness_terms=terms)
     ar.write_matrices(tmp_path / "model.npz", model)
@@ -261,8 +259,7 @@ def test_transmissibilities_with_names(tmp_path):
 def test_without_matplotlib_the_numbers_are_there_and_it_says_what_is_missing(tmp_path, monkeypatch, capsys):
     write_measured(tmp_path)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    summary = run(tmp_path, DAMAGE.replace("report = false\npictures = false\n", ""))
-    assert summary["damaged"] == [4]
+    assert run(tmp_path, DAMAGE.replace("report = false\npictures = false\n", ""))["damaged"] == [4]
     assert 'pip install "antires-rs[report]"' in capsys.readouterr().err
     assert not (tmp_path / "job_results" / "report.html").exists()
     monkeypatch.undo()

@@ -101,8 +101,7 @@ def test_the_force_that_a_file_states(tmp_path, capsys):
     response = ar.FrequencyResponse(FREQ, values, dofs=places)
     file, job = ar.write_uff(tmp_path / "a.uff", response, excitation="3+Y"), tmp_path / "job.toml"
     assert cli.main(["init", str(job), "--model", "frame", "--data", str(file)]) == 0
-    text = job.read_text()
-    data = tomllib.loads(text)["data"]
+    data = tomllib.loads(job.read_text())["data"]
     assert data["excitation"] == "3+Y"
     assert data["dofs"] == dict.fromkeys(places, "?")
     capsys.readouterr()

@@ -70,8 +70,7 @@ def test_output_in_the_folder_an_assessor_files_that_go_and_lines_told_once(tmp_
     command = ["watch", str(tmp_path), *GIVEN, "--baseline", "9", "--out", str(out), "--once"]
     command += ["--assessor", str(plan)]
     assert main(command) == 0
-    after = "".join(capsys.readouterr()).split("test_9.npz: ALARM")[1]
-    assert "spring 1 has lost" in after.splitlines()[1]
+    assert "spring 1 has lost" in "".join(capsys.readouterr()).split("test_9.npz: ALARM")[1].splitlines()[1]
     for name in ("test_3.npz", "test_5.npz"):  # kept elsewhere since they were judged
         (tmp_path / name).unlink()
     shutil.copy2(files[8], tmp_path / "test_10.npz")
@@ -146,8 +145,7 @@ def test_files_that_will_never_be_read_are_told_and_set_aside(tmp_path, capsys, 
         return reader(path, **options)
 
     monkeypatch.setitem(one_test.READERS, "npz", read)
-    command = ["watch", str(folder), *GIVEN, "--once", "--out", str(tmp_path / "out")]
-    assert main(command) == 0
+    assert main(["watch", str(folder), *GIVEN, "--once", "--out", str(tmp_path / "out")]) == 0
     said = capsys.readouterr().out
     for name in ("pipe", "link", "large", "memory"):
         assert f"\n{name}.npz: failed, " in f"\n{said}"
@@ -222,8 +220,7 @@ def test_it_writes_series_summary_and_tracks(folder, capsys, monkeypatch):
     assert sorted(os.listdir(results)) == ["pictures", "series.parquet", "summary.json"]
     assert sorted(os.listdir(results / "pictures")) == ["tracks_dof_0.png", "tracks_dof_1.png"]
     series = ar.Series.load(results / "series.parquet")
-    alone = ar.identify_series([record(1)], **OPTIONS)
-    assert series[1] == alone[0]
+    assert series[1] == ar.identify_series([record(1)], **OPTIONS)[0]
     assert series.conditions["temperature_c"].tolist() == [20.0, 21.0, 22.0, 23.0]
     assert json.loads((results / "summary.json").read_text())["failed"] == {"test_3.npz": series.failed[3]}
     seen = []

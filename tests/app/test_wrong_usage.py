@@ -39,8 +39,7 @@ OTHER_FORCE = RECORD.replace("excitation = 0", 'excitation = "tip"')
 #: Jobs that are changed; the lines of wrong_jobs.txt say how, ``job | old | new``, and what is said then.
 GOOD = {"damage": DAMAGE, "update": UPDATE, "frame": FRAME, "baseline": BASELINE}
 GOOD |= {"record": RECORD, "three": THREE, "tip": OTHER_FORCE, "series": SERIES}
-#: What is wrong, and the job, where more is changed.
-JOBS = {
+JOBS = {  #: What is wrong, and the job, where more is changed.
     "a key outside its section": "seed = 3\n" + DAMAGE,
     "no model": re.sub(r"\[model\](.|\n)*\[damage\]", "[damage]", DAMAGE),
     "both damage and parameters": UPDATE + "[damage]\n",

@@ -122,8 +122,7 @@ def test_the_answer_reads_as_that_of_the_full_run(prepared):
 
 def test_kept_copied_and_in_threads_it_gives_the_same_bits(prepared, tmp_path):
     made, before, now = prepared
-    path = made.save(tmp_path / "plan.npz")
-    loaded, copied = ar.Assessor.load(path), pickle.loads(pickle.dumps(made))
+    loaded, copied = ar.Assessor.load(made.save(tmp_path / "plan.npz")), pickle.loads(pickle.dumps(made))
     again = ar.Assessor(NOMINAL, baseline=before, workers=2)
     one = made.assess(now)
     for each in (loaded, again):

@@ -133,8 +133,7 @@ def test_among_hundreds_of_roots_a_wide_first_association_does_not_decide():
     off_stiffness, off_mass, n_groups, rng = 0.02, 0.01, 60, np.random.default_rng([2, 500])
     mesh = MESHES["tower"](500)
     model = frame(mesh)
-    free = [n for n in range(len(mesh.nodes_m)) if n not in set(mesh.held)]
-    nodes = rng.choice(free, 12, replace=False)
+    nodes = rng.choice([n for n in range(len(mesh.nodes_m)) if n not in set(mesh.held)], 12, replace=False)
     sensors = [model.dof(int(node), "uvw"[i % 3]) for i, node in enumerate(nodes)]
     force, limit_hz = sensors[2], float(model.modes(n_modes=30).freq_hz[-1])
     groups = grouped(mesh, n_groups)
@@ -145,8 +144,7 @@ def test_among_hundreds_of_roots_a_wide_first_association_does_not_decide():
     rng.integers(n_groups)
     before = measured(structure, sensors, force, limit_hz, rng)
     parted, elements = with_groups(mesh, model, groups), tuple(range(n_groups))
-    question = Question(parted, (before,), (before,), elements, ar.DamagePrior())
-    error = question.prepared(1).likelihood.error
+    error = Question(parted, (before,), (before,), elements, ar.DamagePrior()).prepared(1).likelihood.error
     assert np.count_nonzero(error.partner < 0) <= 0.02 * error.partner.size
     assert 0.5 * off_stiffness < error.s < 2.0 * off_stiffness
 

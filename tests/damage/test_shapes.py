@@ -22,8 +22,7 @@ STD = 3e-4
 
 
 def beam(**parts):
-    options = {"fixed": [0], "ground_springs": [(7, "v", 2e4)], **parts}
-    return ar.FrameModel(PLACES, LINES, BAR, **options)
+    return ar.FrameModel(PLACES, LINES, BAR, **{"fixed": [0], "ground_springs": [(7, "v", 2e4)], **parts})
 
 
 def off(model, rng):
@@ -42,8 +41,7 @@ def measured(model, rng, nodes=(2, 4, 5, 6, 8, 9, 10), last=10):
         label = PLAIN.dof(node, "v")
         roots = model.antiresonances(model.dof(last if node == 10 else node, "v"), hammer, f_max_hz=400.0)
         found[label] = np.sort(roots * (1.0 + STD * rng.standard_normal(roots.size)))
-    std = {dof: STD * f for dof, f in found.items()}
-    return ar.AntiresonanceSet(PLAIN.dof(10, "v"), found, std_hz=std)
+    return ar.AntiresonanceSet(PLAIN.dof(10, "v"), found, std_hz={dof: STD * f for dof, f in found.items()})
 
 
 PLAIN = beam()
@@ -97,12 +95,10 @@ def test_a_mass_a_support_and_a_moved_sensor_are_named():
     rng = np.random.default_rng(5)
     before = off(PLAIN, rng)
     rng_of = np.random.default_rng
-    heavy = off(beam(point_masses=[(4, 0.03)]), rng_of(5))
-    best = assessed(heavy, before, rng).hypotheses[0]
+    best = assessed(off(beam(point_masses=[(4, 0.03)]), rng_of(5)), before, rng).hypotheses[0]
     assert (best.kind, best.elements) == ("mass", (-1,))
     assert "added at node 4" in best.place
-    soft = off(beam(ground_springs=[(7, "v", 1.4e4)]), rng_of(5))
-    best = assessed(soft, before, rng).hypotheses[0]
+    best = assessed(off(beam(ground_springs=[(7, "v", 1.4e4)]), rng_of(5)), before, rng).hypotheses[0]
     assert best.kind == "support"
     assert best.place.startswith("ground spring 0 (node 7 v) has lost")
     moved = ar.assess_damage(PLAIN, measured(before, rng, last=9), baseline=measured(before, rng))

@@ -67,8 +67,7 @@ def test_of_two_that_disagree_none_is_named_alone_and_no_damage_is_confident():
 def test_ordinary_scatter_between_tests_is_no_contradiction(seed):
     rng, factors = truth(seed)
     before = [each for std in (3e-4, 3e-4, 1e-3) for each in measured(chain(factors), rng, std=std)]
-    now = measured(chain(factors, (0, 0, 0.3, 0, 0)), rng)
-    assert assess(now, before).assessment.odd_baselines == ()
+    assert assess(measured(chain(factors, (0, 0, 0.3, 0, 0)), rng), before).assessment.odd_baselines == ()
 
 
 NOTE = "[1] repeats the values of "
@@ -151,8 +150,7 @@ QUESTION = "are the sets swapped, or has something been stiffened?"
 def test_swapped_sets_are_asked_about(seed, kind):
     loss = {110: 0.1, 111: 0.3, 112: 0.5}[seed]
     rng, factors = truth(seed)
-    losses = loss * np.eye(5)[seed % 5]
-    intact, hurt = kind(chain(factors), rng), kind(chain(factors, losses), rng)
+    intact, hurt = kind(chain(factors), rng), kind(chain(factors, loss * np.eye(5)[seed % 5]), rng)
     swapped = assess(intact, hurt)
     assert swapped.damaged == []
     assert QUESTION in swapped.headline

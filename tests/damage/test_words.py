@@ -54,8 +54,7 @@ IDLE = [one(4, 0.70, (0.3,)), one((1, 4), 0.15, (1e-5, 0.3)), one((4, 6), 0.12, 
 IDLE_ANSWER = [one((1, 4), 0.6, (0.3, 0.001)), one((1, 6), 0.35, (0.3, 0.2)), nothing(0.05)]
 SHIFT, OFF = {"moved_alike": -0.008}, {"factor_std": 0.6}
 
-#: Sentences, and what they are said of.
-SAID = {
+SAID = {  #: Sentences, and what they are said of.
     "Damage: spring 4 has lost 55.0 % of its stiffness. Probability 97.0 %; 90 % interval of the loss "
     "54.0 to 57.0 %.": assessed([one(4, 0.97, (0.55,)), nothing(0.03)], (4,)),
     "Damage: spring 1 has lost 30.0 % of its stiffness and spring 4 20.0 %. Probability 95.0 %; 90 % "

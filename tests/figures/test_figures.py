@@ -26,8 +26,7 @@ def figures_in(column):
 
 
 def test_a_figure_shows_the_poles_and_the_values_of_its_response(identified, record, averages):
-    made = evidence_figure(identified, 1, curve_of(record, averages, 1))
-    shown = figures_in(made)
+    shown = figures_in(evidence_figure(identified, 1, curve_of(record, averages, 1)))
     assert list(shown) == ["stabilization", "curve", "coherence", "singular_values"]
     assert len({fig.x_range.id for fig in shown.values()}) == 1  # zooming one zooms all
     diagram = identified.diagrams[1]

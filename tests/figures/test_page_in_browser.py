@@ -92,8 +92,7 @@ def test_pick_drop_band_save_and_reload(shown, session, identified, tmp_path):
     said(page, "dropped")
     assert session.zeros.edits[0].reason == "mains hum"
 
-    diagram = identified.diagrams[dof]
-    order, pole = lone_pole(diagram, identified[dof])
+    order, pole = lone_pole(identified.diagrams[dof], identified[dof])
     click_on(page, "stabilization", pole, order)  # on a pole: added
     said(page, "added")
     assert session.zeros[dof][session.zeros.tables[dof].by_hand] == pytest.approx([pole])
@@ -174,8 +173,7 @@ def test_a_reason_is_that_of_one_edit_and_what_is_being_typed_stays(shown, sessi
 def test_a_double_click_drops_one_value(shown, session, identified):
     page = shown
     box = page.locator("#values td.drop button").nth(0).bounding_box()
-    place = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    page.mouse.click(*place)
+    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     said(page, "dropped")
     page.mouse.down(click_count=2)  # the next value stands there now
     page.mouse.up(click_count=2)

@@ -16,8 +16,7 @@ from antires_rs.signals.data_check import check_data
 from tests.support import every_picture, four_masses
 from tests.support.four_masses import BAND, DOFS, SPRINGS, chain, exact
 
-#: Every public picture: the units in its labels.
-PICTURES = {
+PICTURES = {  #: Every public picture: the units in its labels.
     "stabilization": ("(Hz)", "(-)"),
     "singular_values": ("(Hz)", "(dB re noise power)"),
     "responses": ("(Hz)", "(dB)"),
@@ -124,8 +123,7 @@ def test_values_that_do_not_stand_still_have_a_dash_of_their_own(unsteady, ax):
 
 def test_a_set_draws_what_was_edited_by_hand(unsteady, ax):
     first, second, third = unsteady[0]
-    edited = unsteady.drop(0, second).add(0, [3.3, 8.0]).drop(0, 8.0)
-    assert edited.plot(0, ax=ax) is ax
+    assert unsteady.drop(0, second).add(0, [3.3, 8.0]).drop(0, 8.0).plot(0, ax=ax) is ax
     assert verticals(ax, "dropped by hand") == [second]
     assert verticals(ax, "added by hand") == [3.3]
     assert verticals(ax, "accepted") == [first, third]

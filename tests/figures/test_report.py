@@ -19,8 +19,7 @@ from tests.support.pictures import drawn_quickly
 
 NASTY = "</script><script>alert('K & M')</script>"
 VOID = {"meta", "img", "br", "link"}
-#: Attributes by which a page makes a browser ask for something.
-LOADING = {
+LOADING = {  #: Attributes by which a page makes a browser ask for something.
     *("src", "srcset", "href", "data", "poster", "action", "formaction"),
     *("background", "manifest", "ping", "cite", "longdesc", "xlink:href"),
 }
@@ -216,8 +215,7 @@ def test_it_says_all_that_a_reader_needs(reports):
 
 def test_a_parameter_with_a_unit_and_on_its_bound_is_told_as_such(reports):
     html = reports["update"].read_text(encoding="utf-8")
-    row = re.search(r'<tr class="hit">(.*?)</tr>', html, re.S)[1]
-    cells = re.sub(r"<[^>]+>", " ", row).split()
+    cells = re.sub(r"<[^>]+>", " ", re.search(r'<tr class="hit">(.*?)</tr>', html, re.S)[1]).split()
     assert "(on its bound)" in " ".join(cells)
     assert cells[-3:] == ["0.001", "to", "0.0014"]
     assert "0.0014000" in cells  # not rounded to 0.0014 or 0.00
@@ -244,8 +242,7 @@ def test_what_cannot_be_written_or_does_not_fit_the_result_is_refused(intact, no
 
 
 def test_diagrams_beyond_the_size_are_left_out_and_counted(nothing, tmp_path, monkeypatch, explored):
-    diagrams = dict.fromkeys(range(5), diagram(200, 1e-3, 16))
-    drawn = parts.drawings_of(nothing, diagrams=diagrams)
+    drawn = parts.drawings_of(nothing, diagrams=dict.fromkeys(range(5), diagram(200, 1e-3, 16)))
     one = drawn.diagrams[0]
     others = len(parts.library()) + sum(len(each.uri) + len(each.live) for each in drawn.figures.values())
     room = others + int(2.5 * len(one.uri))

@@ -22,8 +22,7 @@ def test_what_is_identified_later_is_not_added_twice(identified):
     edited = identified.drop(1, value, reason="a").add(1, value + 0.001, std_hz=0.1, reason="b")
     again, waits = replayed(identified, asked_of(edited))
     assert (again, again.edits, waits) == (edited, edited.edits, [None, None])
-    narrow = ar.AntiresonanceSet(0, {0: [8.7]})
-    asked = asked_of(narrow.add(0, 23.9, reason="seen by eye"))
+    asked = asked_of(ar.AntiresonanceSet(0, {0: [8.7]}).add(0, 23.9, reason="seen by eye"))
     wide, waits = replayed(ar.AntiresonanceSet(0, {0: [8.7, 23.91]}), asked)
     assert wide[0].tolist() == [8.7, 23.91]
     assert waits == ["identified there now"]
@@ -87,12 +86,10 @@ def test_a_click_means_what_is_nearest(identified, record, session):
     assert picked(identified.drop(0, value), 0, clicked("curve", value)).action == "restore"
     assert picked(identified, 0, clicked("coherence", 0.5 * (value + identified[0][0]))) is None
     order, freq, damping, _ = pole_table(identified.diagrams[0])
-    far = np.abs(freq[:, None] - identified[0]).min(axis=1) > 0.2
-    at = int(np.flatnonzero(far)[0])
+    at = int(np.flatnonzero(np.abs(freq[:, None] - identified[0]).min(axis=1) > 0.2)[0])
     pick = picked(identified, 0, clicked("stabilization", freq[at], order[at]))
     assert (pick.action, pick.freq_hz, pick.damping_ratio) == ("add", freq[at], damping[at])
-    empty = clicked("stabilization", freq[at], order[at], 1e-9, 1e-9)
-    assert picked(identified, 0, empty) is not None
+    assert picked(identified, 0, clicked("stabilization", freq[at], order[at], 1e-9, 1e-9)) is not None
     assert picked(identified, 0, clicked("stabilization", freq[at] + 1e-3, order[at], 1e-9, 1e-9)) is None
     assert session.click(0, clicked("coherence", 0.5 * (value + identified[0][0]))) is None
     for verb in ("dropped", "brought back"):
@@ -141,8 +138,7 @@ def test_edits_that_wait_are_in_the_file(session, identified, tmp_path):
     opened.opened(asked, tmp_path / "zeros.json")
     assert not opened.unsaved
     assert opened.now.waits == ("no value there now",)
-    text = (tmp_path / "zeros.json").read_text()
-    (tmp_path / "zeros.json").write_text(text.replace('"near"', '"far"'))
+    (tmp_path / "zeros.json").write_text((tmp_path / "zeros.json").read_text().replace('"near"', '"far"'))
     refused("damaged", asked_in, tmp_path / "zeros.json")
 
 

@@ -87,8 +87,7 @@ def test_the_papers_preset_on_frfs_keeps_its_rule():
     options = {"excitation": 0, "band_hz": three.band_hz, "route": "frf", "check": "off"}
     by_preset = ar.identify_antiresonances(record, **options, preset="paper")
     joint = ar.FitOptions(formulation="joint")
-    by_name = ar.identify_antiresonances(record, **options, preset="paper", fit=joint)
-    assert by_preset == by_name
+    assert by_preset == ar.identify_antiresonances(record, **options, preset="paper", fit=joint)
     with pytest.raises(ar.InvalidInputError, match="^formulation: got eq10_squared"):
         ar.identify_antiresonances(record, **options, fit=ar.FitOptions(formulation="eq10_squared"))
 

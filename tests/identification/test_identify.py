@@ -53,8 +53,7 @@ def test_the_force_is_never_read_and_its_place_needs_no_channel():
     without = ar.Recording(rec.responses, FS)
     assert zeros_of(rec) == zeros_of(without)
     unsuitable("needs none", zeros_of, without, route="frf")
-    some = ar.Recording(record().responses[[1, 3, 6]], FS, dofs=["b", "d", "g"])
-    found = zeros_of(some, excitation="a")
+    found = zeros_of(ar.Recording(record().responses[[1, 3, 6]], FS, dofs=["b", "d", "g"]), excitation="a")
     assert found.excitation == "a"
     for dof, row in (("b", 1), ("d", 3), ("g", 6)):
         assert np.allclose(found[dof], TRUTH[row], rtol=1e-3)
@@ -65,8 +64,7 @@ def test_one_set_of_transmissibilities_serves_all_dofs_our_own_estimates_too():
     assert_all(zeros_of(exact()), 1e-3)  # abs(s) of the damped zero differs from the undamped root by zeta**2
     for reference in (0, 7):
         quotients = {"kind": "transmissibility", "reference": reference}
-        ratios = ar.FrequencyResponse(freq, values / values[reference], **quotients)
-        assert_all(zeros_of(ratios), 1e-3)
+        assert_all(zeros_of(ar.FrequencyResponse(freq, values / values[reference], **quotients)), 1e-3)
     assert_all(zeros_of(ar.frf(record(), nperseg=8192)), 5e-3)
     assert_all(zeros_of(ar.transmissibility(record(), 4, nperseg=8192, estimator="rank1")), 5e-3)
 
@@ -80,8 +78,7 @@ def test_a_selection_of_dofs_and_the_band_are_kept():
     found = zeros_of(exact(), band_hz=(30.0, 100.0), dofs=[4, 2])
     assert list(found) == [4, 2]
     for dof in found:
-        inside = TRUTH[dof][(TRUTH[dof] > 30) & (TRUTH[dof] < 100)]
-        assert np.allclose(found[dof], inside, rtol=1e-3)
+        assert np.allclose(found[dof], TRUTH[dof][(TRUTH[dof] > 30) & (TRUTH[dof] < 100)], rtol=1e-3)
     assert found.diagrams[4].identified.tolist() == found[4].tolist()
     assert found.damping_ratio[4].shape == found[4].shape
     single = ar.FrequencyResponse(exact().freq_hz, exact().values[3], dofs=[3])  # has zeros as an FRF

@@ -14,8 +14,7 @@ BAND = (3.0, 130.0)
 @pytest.fixture(scope="module")
 def chain():
     model = ar.cases.chain8().model
-    truth = {dof: model.antiresonances(dof, 0, f_max_hz=BAND[1]) for dof in range(8)}
-    return model, truth
+    return model, {dof: model.antiresonances(dof, 0, f_max_hz=BAND[1]) for dof in range(8)}
 
 
 def record(model, noise, seed):

@@ -27,8 +27,7 @@ def draw(rng, level, count=40):
 
 
 def lines_of(x):
-    covariance = x @ x.conj().transpose(0, 2, 1) / x.shape[2]
-    values, vector = np.linalg.eigh(covariance)
+    values, vector = np.linalg.eigh(x @ x.conj().transpose(0, 2, 1) / x.shape[2])
     return Lines(FREQ, vector[:, :, -1].T, values[:, -1], segments=Segments.of(x))
 
 

@@ -40,8 +40,7 @@ def deviations(found):
 
 @pytest.mark.parametrize("first", some_of([0, 100, 200]))
 def test_impacts_in_files_of_their_own(first):
-    records = [impact(seed) for seed in range(first, first + 10)]
-    scores, false = deviations(identified(records))
+    scores, false = deviations(identified([impact(seed) for seed in range(first, first + 10)]))
     assert (scores.size, false) == (28, 0)
     assert 0.6 < np.sqrt(np.mean(scores**2)) < 1.6
 
@@ -155,8 +154,7 @@ def test_what_moves_a_whole_curve_is_in_the_errors():
         compared += told.size
         assert np.all(moving.scores[dof]["averages"] == TESTS - 1 + 8)
     assert compared >= 9
-    alone = np.concatenate([steady.std_hz[dof] / steady[dof] for dof in SENSORS])
-    assert np.median(alone) < 0.3 * expected
+    assert np.median(np.concatenate([steady.std_hz[dof] / steady[dof] for dof in SENSORS])) < 0.3 * expected
     assert np.abs(moving[0] / truth(0) - 1.0 - shifts.mean()).max() < 1e-3
 
 

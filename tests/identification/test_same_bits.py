@@ -31,8 +31,7 @@ print(hashlib.sha256(b"".join(zeros[d].tobytes() + zeros.std_hz[d].tobytes() for
 def _digest(threads: int) -> str:
     environment = os.environ | {"OPENBLAS_NUM_THREADS": str(threads), "MKL_NUM_THREADS": str(threads)}
     call = [sys.executable, "-c", CURVES]
-    done = subprocess.run(call, env=environment, capture_output=True, text=True, check=True)
-    return done.stdout.strip()
+    return subprocess.run(call, env=environment, capture_output=True, text=True, check=True).stdout.strip()
 
 
 def test_curves_give_the_same_bits_for_any_number_of_blas_threads() -> None:

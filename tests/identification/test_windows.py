@@ -17,8 +17,7 @@ def free_chain(n=7, k_over_m=5e4, damping=0.01, sensors=range(7), force=0, noise
     stiffness = k_over_m * (2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1))
     stiffness[0, 0] = stiffness[-1, -1] = k_over_m
     freq = np.arange(5.0, 75.0, 0.05)
-    w = 2 * np.pi * freq
-    dynamic = stiffness[None] * (1.0 + 2j * damping) - (w**2)[:, None, None] * np.eye(n)
+    dynamic = stiffness[None] * (1.0 + 2j * damping) - ((2 * np.pi * freq) ** 2)[:, None, None] * np.eye(n)
     column = np.linalg.inv(dynamic)[:, :, force].T[list(sensors)]
     rng = np.random.default_rng(seed)
     rough = rng.standard_normal(column.shape) + 1j * rng.standard_normal(column.shape)
@@ -76,14 +75,12 @@ def damped_zeros(n=7, k_over_m=5e4, damping=0.01):
 
 @pytest.mark.parametrize("seeds", some_of([range(40, 43), range(40, 46)]))
 def test_stated_deviations_cover_white_noise(seeds):
-    # 90 % intervals of the driving point's zeros, over seeds that nothing was set on.
-    truth = damped_zeros()
+    truth = damped_zeros()  # 90 % intervals of the driving point's zeros, over seeds that nothing was set on.
     truth = truth[(truth > BAND[0]) & (truth < BAND[1])]
     inside = asked = 0
     stated, errors = [], []
     for seed in seeds:
-        found = zeros_of(free_chain(noise=0.02, seed=seed, sensors=(0, 2, 5)))
-        table = found.tables[0]
+        table = zeros_of(free_chain(noise=0.02, seed=seed, sensors=(0, 2, 5))).tables[0]
         for f in truth:
             near = np.abs(table.freq_hz / f - 1.0) < 0.01
             assert near.sum() == 1, f
@@ -100,8 +97,7 @@ def test_stated_deviations_cover_white_noise(seeds):
 @pytest.mark.parametrize("kind", some_of(["transmissibility", "frf"]))
 def test_three_storey_replica(kind):
     frfs = next(m.frfs for m in structures() if m.name == "three-storey replica")
-    source = frfs if kind == "frf" else as_transmissibilities(frfs, 0)
-    found = zeros_of(source, (10.0, 95.0))
+    found = zeros_of(frfs if kind == "frf" else as_transmissibilities(frfs, 0), (10.0, 95.0))
     read = {0: [44.2, 66.9], 1: [76.4], 2: [27.3], 3: [17.4, 58.9]}
     for dof, values in read.items():
         assert found[dof] == pytest.approx(values, rel=5e-3)
@@ -120,8 +116,7 @@ def plate_counts(state):
     """Dips found by FRFs, after the transmissibilities were seen to lose none of their values."""
     measured = plate(state)
     found = zeros_of(measured.frfs, measured.band_hz, "x")
-    quotients = as_transmissibilities(measured.frfs, REFERENCE)
-    other = zeros_of(quotients, measured.band_hz, "x")
+    other = zeros_of(as_transmissibilities(measured.frfs, REFERENCE), measured.band_hz, "x")
     lost = [f for dof in found for f in found[dof] if not np.any(np.abs(other[dof] / f - 1.0) < 2e-3)]
     assert len(lost) <= 1
     return counted(measured, found)
@@ -153,8 +148,7 @@ def test_options_that_count_are_no_cause_for_a_warning_and_few_orders_are_enough
         {"max_order": 16, "fit": ar.FitOptions(min_share=0.4, freq_tol=0.02)},
     ):
         zeros_of(rough(), **options)
-    # Chains of more than min_rows = 10 orders are the sweep's.
-    found = zeros_of(rough(), max_order=8)
+    found = zeros_of(rough(), max_order=8)  # Chains of more than min_rows = 10 orders are the sweep's.
     assert found[0].size >= 3
     assert max(d.orders.max() for d in found.diagrams.values()) <= 8
     with pytest.raises(ar.InvalidInputError, match="^max_order"):

@@ -104,8 +104,7 @@ def test_version_73(tmp_path, own_process):
         file["note"], file["none"] = np.arange(N, dtype=np.uint16), np.array([0, 0])
         file["note"].attrs["MATLAB_class"] = np.bytes_("char")
         file["none"].attrs["MATLAB_empty"] = np.uint8(1)
-    rec = ar.read_mat(path, responses="test.acc")
-    np.testing.assert_array_equal(rec.responses, [A, B])
+    np.testing.assert_array_equal(ar.read_mat(path, responses="test.acc").responses, [A, B])
     np.testing.assert_array_equal(ar.read_mat(path, responses="H", df_hz=0.5).values, [H])
 
 

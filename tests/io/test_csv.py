@@ -15,8 +15,7 @@ TIP, ROOT, PUSH = np.random.default_rng(0).standard_normal((3, 50))
 
 
 def text(*columns, head="", between=",", comma=False, end="\n"):
-    rows = [between.join(repr(float(v)) for v in row) for row in zip(*columns, strict=True)]
-    body = "\n".join(rows)
+    body = "\n".join([between.join(repr(float(v)) for v in row) for row in zip(*columns, strict=True)])
     return head + (body.replace(".", ",") if comma else body) + end
 
 

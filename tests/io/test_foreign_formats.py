@@ -131,8 +131,7 @@ def test_what_an_option_says_of_columns(tmp_path, header, pairs, parts):
 def folder_of(path, names, lines=None):
     for i, name in enumerate(names):
         n = LINES if lines is None else lines[i]
-        header = ["Frequency [Hz]", "Real", "Imag"]
-        columns(header, (FREQ[:n], H[i, :n].real, H[i, :n].imag), path / name)
+        columns(["Frequency [Hz]", "Real", "Imag"], (FREQ[:n], H[i, :n].real, H[i, :n].imag), path / name)
     return path
 
 

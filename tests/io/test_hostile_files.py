@@ -27,8 +27,7 @@ HELD |= {"indices": K.indices, "indptr": K.indptr}
 COO = {"format": np.array(b"coo"), "row": np.array([0, 1]), "col": np.array([0, 1]), "data": np.ones(2)}
 BSR = {"format": np.array(b"bsr"), "indices": np.array([0, 1]), "indptr": np.array([0, 1, 2, 2])}
 HUGE = np.array([2_000_000_000] * 2)
-#: What is changed in a file of scipy.sparse.save_npz, all of whose checksums are right.
-SPARSE = {
+SPARSE = {  #: What is changed in a file of scipy.sparse.save_npz, all of whose checksums are right.
     "columns beyond": {"indices": K.indices + 10**8},
     "columns below": {"indices": K.indices - 10**8},
     "rows beyond": {"format": np.array(b"csc"), "indices": K.indices + 10**8},
@@ -96,8 +95,7 @@ def stated_dofs(path):
 
 def stated_dofs_of_nastran(path):
     head = f"{99999999:8d}{99999999:8d}{6:8d}{2:8d}{'K':8s}1P,3E23.16\n"
-    last = f"{100000000:8d}{1:8d}{1:8d}\n 1.0000000000000000E+00\n"
-    path.with_suffix(".op4").write_text(head + last)
+    path.with_suffix(".op4").write_text(head + f"{100000000:8d}{1:8d}{1:8d}\n 1.0000000000000000E+00\n")
     return path.with_suffix(".op4"), "."
 
 

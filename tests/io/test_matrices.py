@@ -89,8 +89,7 @@ def test_a_dof_map_names_the_channels_of_a_test(tmp_path):
 def test_the_recipe_for_scikit_fem():
     """docs/recipes/scikit_fem.md: a cantilever of Hermite elements has Euler's frequencies."""
     pytest.importorskip("skfem", reason="scikit-fem is not installed")
-    recipe = (DOCS / "recipes/scikit_fem.md").read_text()
-    code = recipe.split("```python\n")[1].split("```")[0]
+    code = (DOCS / "recipes/scikit_fem.md").read_text().split("```python\n")[1].split("```")[0]
     names = {}
     exec(compile(code, "scikit_fem.md", "exec"), names)
     found = names["model"].modes(2).freq_hz
@@ -158,8 +157,7 @@ def op4_binary(matrix, name, layout, order, kind):
     for j in range(5):
         rows = np.flatnonzero(matrix[:, j])
         if layout == "dense":
-            values = matrix[rows[0] : rows[-1] + 1, j]
-            head, data = rows[0] + 1, values.astype(f"{order}{kind}").tobytes()
+            head, data = rows[0] + 1, matrix[rows[0] : rows[-1] + 1, j].astype(f"{order}{kind}").tobytes()
         else:
             head, data = 0, b""
             for run in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1):

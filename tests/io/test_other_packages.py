@@ -17,8 +17,7 @@ def channel(**changes):
 
 def test_there_and_back():
     made = recording(dofs=("tip", "12+Z"))
-    channels = ar.to_sep005(made)
-    back = ar.from_sep005(channels)
+    back = ar.from_sep005(ar.to_sep005(made))
     np.testing.assert_array_equal(back.responses, made.responses)
     np.testing.assert_array_equal(back.force, made.force)
     assert (back.fs_hz, back.dofs) == (made.fs_hz, made.dofs)

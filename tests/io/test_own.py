@@ -59,8 +59,7 @@ def test_the_force_is_dropped(files, kind):
         read(files[0]["response"][0], force="force")
 
 
-#: Of a record, of responses; and the formats that have such an option.
-WRONG = [
+WRONG = [  #: Of a record, of responses; and the formats that have such an option.
     ({"unit": "g"}, {"unit": "g/N"}, "npz hdf5 mat csv"),
     ({"fs_hz": 100.0}, {"fs_hz": 512.0}, "npz hdf5 mat csv"),
     ({"kind": "frf"}, {"kind": "frf"}, "npz hdf5 mat csv"),
@@ -157,8 +156,7 @@ def test_another_text_is_refused(tmp_path, change, said):
 def test_another_program_reads_and_writes_our_universal_files(tmp_path, binary):
     import pyuff
 
-    file = ar.write_uff(tmp_path / "a.uff", RECORD, binary=binary)
-    sets = pyuff.UFF(str(file)).read_sets()
+    sets = pyuff.UFF(str(ar.write_uff(tmp_path / "a.uff", RECORD, binary=binary))).read_sets()
     np.testing.assert_allclose([s["data"] for s in sets], RECORD.responses, rtol=1e-11)
     for s in sets:
         s |= {"data": 2.0 * s["data"], "binary": 0}

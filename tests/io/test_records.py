@@ -163,8 +163,7 @@ def test_lvm_segments_are_joined_or_chosen(tmp_path):
     same(ar.read_lvm(lvm(tmp_path / "a.lvm", parts, "One", x0=x0)))
     halves = [ROWS[:, :200], ROWS[:, 200:]]  # under one heading
     same(ar.read_lvm(lvm(tmp_path / "d.lvm", halves, "One", x0=[0.0, 200 / 512.0], multi="No")))
-    times = ["12:00:00.0", "12:00:00.29296875"]
-    same(ar.read_lvm(lvm(tmp_path / "b.lvm", parts, dates=times)))
+    same(ar.read_lvm(lvm(tmp_path / "b.lvm", parts, dates=["12:00:00.0", "12:00:00.29296875"])))
     hits = lvm(tmp_path / "c.lvm", parts, dates=["12:00:00", "12:00:20.5"])
     unsuitable(r"segment 2 of 2 .* begins \+20.21 s after", ar.read_lvm, hits)
     same(ar.read_lvm(hits, run=2), parts[1])

@@ -65,8 +65,7 @@ def test_results_come_back(tmp_path, name, copied):
     assert back.summary() == made.summary()
     np.testing.assert_array_equal(dense(made.model.stiffness()), dense(back.model.stiffness()))
     np.testing.assert_array_equal(dense(made.model.mass()), dense(back.model.mass()))
-    again = ar.update(back.problem, rng=back.seed, optimizer=QUICK)
-    np.testing.assert_array_equal(again.x, made.x)
+    np.testing.assert_array_equal(ar.update(back.problem, rng=back.seed, optimizer=QUICK).x, made.x)
 
 
 def test_damage_of_an_updated_model(tmp_path):
@@ -165,6 +164,5 @@ def test_what_a_field_may_be(tmp_path, assessed):
     rows = [*assessed.hypotheses, Hypothesis(UNKNOWN, 1e-8, (), (), (), candidate=False)]
     odd = {"detectable": (float("inf"), 0.1), "threshold": None, "group": (), "notes": ("left out",)}
     rare = replace(assessed.assessment, hypotheses=Hypotheses(rows, assessed.hypotheses.names), **odd)
-    result = ar.DamageResult(assessed.problem, assessed.search, assessed.seed, rare)
-    result.save(tmp_path / "rare.npz")
+    ar.DamageResult(assessed.problem, assessed.search, assessed.seed, rare).save(tmp_path / "rare.npz")
     assert ar.DamageResult.load(tmp_path / "rare.npz").assessment == rare

@@ -36,8 +36,7 @@ def test_every_bit_comes_back(tmp_path, form, kind):
 @pytest.mark.parametrize("binary", [True, False])
 def test_universal_files(tmp_path, kind, binary):
     made = KINDS[kind]()
-    back = ar.read_uff(ar.write_uff(tmp_path / "signal.uff", made, binary=binary))
-    found = differences(made, back)
+    found = differences(made, ar.read_uff(ar.write_uff(tmp_path / "signal.uff", made, binary=binary)))
     # Text has 12 digits; its abscissa, where it is uneven, 6. Even lines are made again from first and step.
     digits = 0.0 if binary else 5e-12
     uneven = 0.0 if binary else 5e-6

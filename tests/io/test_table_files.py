@@ -34,8 +34,7 @@ def test_excel_of_a_record(tmp_path):
     rows = [[t, a, b] for t, a, b in zip(TIME, A, B, strict=True)]
     recorded(ar.read_excel(workbook(tmp_path / "a.xlsx", ["time [s]", "a", "b"], *rows)))
     head = [["Test of the frame"], ["Time", "a", "b"], ["ms", "m/s2", "m/s2"]]
-    milliseconds = [[1e3 * t, a, b] for t, a, b in rows]
-    file = workbook(tmp_path / "b.xlsx", *head, *milliseconds, title="run 1")
+    file = workbook(tmp_path / "b.xlsx", *head, *[[1e3 * t, a, b] for t, a, b in rows], title="run 1")
     recorded(ar.read_excel(file, sheet="run 1"))
     assert ar.read_excel(file).dofs == ("a", "b")
     unsuitable("no row of numbers .the sheets are 'run 1', 'notes'", ar.read_excel, file, sheet="notes")
@@ -68,8 +67,7 @@ def test_parquet_of_pandas(tmp_path):
     pd = pytest.importorskip("pandas")
     pytest.importorskip("pyarrow")
     file = tmp_path / "a.parquet"
-    table = pd.DataFrame({"time [s]": TIME, "a": A, "b": B})
-    table.to_parquet(file)
+    pd.DataFrame({"time [s]": TIME, "a": A, "b": B}).to_parquet(file)
     recorded(ar.read_parquet(file))
     pd.DataFrame({"a": A, "b": B}).to_parquet(file)
     recorded(ar.read_parquet(file, fs_hz=FS))
@@ -116,8 +114,7 @@ def text(path, head, rows, sign=","):
 def test_a_column_that_counts_rows_is_left_out(tmp_path):
     rows = [(i, t, a, b) for i, (t, a, b) in enumerate(zip(TIME, A, B, strict=True))]
     recorded(ar.read_csv(text(tmp_path / "a.csv", [",time,a,b"], rows)))
-    bare = [(i, a, b) for i, _, a, b in rows]
-    file = text(tmp_path / "b.csv", ["index,a,b"], bare)
+    file = text(tmp_path / "b.csv", ["index,a,b"], [(i, a, b) for i, _, a, b in rows])
     recorded(ar.read_csv(file, fs_hz=FS))
     assert ar.read_csv(file, first="time").fs_hz == 1.0
 
@@ -129,8 +126,7 @@ def test_instants_are_the_time(tmp_path, form, between, sign, point):
     rows = []
     for i in range(N):
         at = str(begun + np.timedelta64(3906250 * i, "ns").astype("timedelta64[us]")).replace("T", between)
-        values = (f"{A[i]!r}".replace(".", point), f"{B[i]!r}".replace(".", point))
-        rows.append((form.format(at), *values))
+        rows.append((form.format(at), f"{A[i]!r}".replace(".", point), f"{B[i]!r}".replace(".", point)))
     rows = [(each, a.split("(")[-1].rstrip(")"), b.split("(")[-1].rstrip(")")) for each, a, b in rows]
     recorded(ar.read_csv(text(tmp_path / "a.csv", [sign.join(["when", "a", "b"])], rows, sign)))
     if form == "{}" and between == "T":

@@ -103,8 +103,7 @@ def test_frfs_of_several_references(tmp_path):
 def test_transmissibilities_get_the_row_of_their_reference(tmp_path):
     made = response(kind="transmissibility", dofs=("1+Z", "2+Z", "3+Z"), coherence=False, averages=None)
     data = ar.write_uff(tmp_path / "a.uff", made).read_bytes()
-    # The same without our marks, and without the reference's own set.
-    third = len(data) // 3
+    third = len(data) // 3  # The same without our marks, and without the reference's own set.
     path = tmp_path / "b.uff"
     path.write_bytes((data[:third] + data[2 * third :]).replace(b"antires_rs uff", b"another program"))
     found = ar.read_uff(path)
@@ -130,8 +129,7 @@ def test_spectra_become_quotients(tmp_path, unit, kind, per, factor):
 def test_exact_numbers_of_ours_count_only_beside_their_header(tmp_path):
     """Someone who changes the step in the header, and not our line, is believed."""
     path = ar.write_uff(tmp_path / "a.uff", recording(), binary=False)
-    step = f"{1 / 512:.5e}".encode()
-    path.write_bytes(path.read_bytes().replace(step, b"3.90625e-03"))
+    path.write_bytes(path.read_bytes().replace(f"{1 / 512:.5e}".encode(), b"3.90625e-03"))
     assert ar.read_uff(path).fs_hz == 256.0
 
 
@@ -204,8 +202,7 @@ def test_units_of_the_whole_file(tmp_path):
     units = {"type": 164, "units_code": 5, "units_description": "mm (milli-newton)", "temp_mode": 1}
     units |= {"length": 1000.0, "force": 1000.0, "temp": 1.0, "temp_offset": 273.15}
     sets = [dataset(NOISE[0], unit="NONE"), dataset(NOISE[1], node=2, unit="g")]
-    push = dataset(NOISE[2], unit="NONE", data_type=FORCE)
-    path = written(tmp_path / "a.uff", units, *sets, push)
+    path = written(tmp_path / "a.uff", units, *sets, dataset(NOISE[2], unit="NONE", data_type=FORCE))
     rec = ar.read_uff(path)
     np.testing.assert_allclose(rec.responses, [1e-3 * NOISE[0], 9.80665 * NOISE[1]], rtol=1e-15)
     np.testing.assert_allclose(rec.force, 1e-3 * NOISE[2], rtol=1e-15)

@@ -106,8 +106,7 @@ def _simulated(name: str, seed: int) -> Any:
 
 
 def _frf() -> Any:
-    rec = record(724)
-    curves = ar.transmissibility(rec, reference=0, nperseg=1024)
+    curves = ar.transmissibility(record(724), reference=0, nperseg=1024)
     return _set(ar.identify_antiresonances(curves, **OPTIONS))
 
 
@@ -217,8 +216,7 @@ def _states(losses: dict[int, float], seed: int, intact: int = 1, now: int = 1) 
     for element, loss in losses.items():
         lost[element] = loss
     before = [one for _ in range(intact) for one in measured(chain(factors), rng)]
-    after = [one for _ in range(now) for one in measured(chain(factors, lost), rng)]
-    return before, after
+    return before, [one for _ in range(now) for one in measured(chain(factors, lost), rng)]
 
 
 def _assessed(losses: dict[int, float], seed: int, intact: int = 1, now: int = 1, **options: Any) -> Any:

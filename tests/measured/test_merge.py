@@ -158,8 +158,7 @@ def test_the_scatter_between_repeats_is_estimated():
     pairs = list(zip(tests[::2], tests[1::2], strict=True))
     assert sum(ar.compare(a, b).different for a, b in pairs) >= 8
     assert sum(ar.compare(a, b, std_between=between).different for a, b in pairs) <= 1
-    steady = [ar.AntiresonanceSet(0, {0: exact[:7]}, std_hz=std)] * 3
-    assert ar.track(steady).std_between == 0.0
+    assert ar.track([ar.AntiresonanceSet(0, {0: exact[:7]}, std_hz=std)] * 3).std_between == 0.0
 
 
 def test_what_moves_all_values_alike_is_told_from_what_moves_each():
@@ -217,12 +216,10 @@ def test_what_was_seen_once_or_not_for_long_takes_nothing_over():
     true = 30.0 + 3.0 * np.arange(400) / 400 + 0.005 * rng.standard_normal(400)
     tests = [[f] if nth % 9 else [f, f + rng.uniform(0.2, 2.0)] for nth, f in enumerate(true)]
     followed = ar.track(sets_of(*tests), max_shift=0.01)
-    seen = np.sum(~np.isnan(followed.freq_hz), axis=0)
-    assert np.array_equal(followed.freq_hz[:, np.argmax(seen)], true)
+    assert np.array_equal(followed.freq_hz[:, np.argmax(np.sum(~np.isnan(followed.freq_hz), axis=0))], true)
 
     def kinds_after(gap):
-        tests = [[10.0, 20.0], *([[10.0]] * gap), [10.0, 20.0]]
-        return kinds(ar.track(sets_of(*tests)))[1:]
+        return kinds(ar.track(sets_of([10.0, 20.0], *([[10.0]] * gap), [10.0, 20.0])))[1:]
 
     assert kinds_after(99) == [("back", 100, 20.0)]
     assert kinds_after(120) == [("new", 121, 20.0)]

@@ -11,10 +11,8 @@ from tests.models.shared import quietly
 from tests.support.campaign import some_of
 from tests.support.tolerances import AGAINST_SCIPY, CLOSED_FORM, EIGH, FRF, ZERO_ROOT
 
-#: Of each model a driving point and three random pairs.
-PAIRS = 3
-#: 4 kinds of 125 make the 500 models of the README; the suite has 30 of each.
-MODELS = some_of([30, 125])
+PAIRS = 3  #: Of each model a driving point and three random pairs.
+MODELS = some_of([30, 125])  #: 4 kinds of 125 make the 500 models of the README; the suite has 30 of each.
 #: At most this share of pairs may be skipped because the oracle itself is in doubt: 13 of 500 in frames
 #: (dofs far apart around loops, QZ good to 1e-4 only) and in symmetric structures (defective multiple
 #: roots of rings), 5 in random pairs (roots at zero), none in chains.
@@ -56,8 +54,7 @@ def test_random_models(kind, models):
     for seed in range(models):
         rng = np.random.default_rng([KINDS.index(kind), seed])
         k_mat, m_mat = random_model(kind, rng)
-        as_given = scipy.sparse.csc_array(k_mat) if seed % 2 else k_mat
-        model = ar.MatrixModel(as_given, m_mat)
+        model = ar.MatrixModel(scipy.sparse.csc_array(k_mat) if seed % 2 else k_mat, m_mat)
         driving = int(rng.integers(0, len(k_mat)))
         pairs = [(driving, driving), *rng.integers(0, len(k_mat), (PAIRS, 2)).tolist()]
         outcomes += [(*compare(model, k_mat, m_mat, i, k), seed) for i, k in pairs]
@@ -98,8 +95,7 @@ def test_modes_against_eigh(kind):
         k_mat, m_mat = random_model(kind, np.random.default_rng([9, seed]))
         modes = ar.MatrixModel(k_mat, m_mat).modes()
         lam = scipy.linalg.eigvalsh(k_mat, m_mat)
-        got = (2 * np.pi * modes.freq_hz) ** 2
-        np.testing.assert_allclose(got, lam, rtol=0, atol=EIGH * lam[-1])
+        np.testing.assert_allclose((2 * np.pi * modes.freq_hz) ** 2, lam, rtol=0, atol=EIGH * lam[-1])
         phi = modes.shapes.T
         np.testing.assert_allclose(phi.T @ m_mat @ phi, np.eye(len(lam)), atol=EIGH)
         np.testing.assert_allclose(k_mat @ phi, m_mat @ phi * lam, atol=EIGH * np.abs(k_mat).max())

@@ -63,8 +63,7 @@ def upright(nodes, elements):
     rows = []
     for a, b, _ in elements:
         along = np.subtract(nodes[b], nodes[a])
-        vertical = np.allclose(along[[0, 2]], 0.0)
-        rows.append((-np.sign(along[1]), 0.0, 0.0) if vertical else (0.0, 1.0, 0.0))
+        rows.append((-np.sign(along[1]), 0.0, 0.0) if np.allclose(along[[0, 2]], 0.0) else (0.0, 1.0, 0.0))
     return rows
 
 
@@ -86,8 +85,7 @@ def test_a_frame_has_the_matrices_and_frequencies_of_pynite(space):
         nodes, elements, feet = np.c_[PLANE_NODES, np.zeros(len(PLANE_NODES))], PLANE_ELEMENTS, [0, 5]
         out_of_plane = {(node, d) for node in range(len(nodes)) for d in (2, 3, 4)}
         model = ours(PLANE_NODES, elements, feet)
-    fixed = out_of_plane | {(node, d) for node in feet for d in range(6)}
-    stiffness, mass = theirs(nodes, elements, fixed)
+    stiffness, mass = theirs(nodes, elements, out_of_plane | {(node, d) for node in feet for d in range(6)})
     for own, other in ((model.stiffness(), stiffness), (model.mass(), mass)):
         assert np.abs(own - other).max() < FRAME_PACKAGE_ENTRIES * np.abs(other).max()
     reference = np.sqrt(scipy.linalg.eigh(stiffness, mass, eigvals_only=True)[:10]) / (2 * np.pi)

@@ -17,8 +17,7 @@ BAR = ar.Rectangle(0.03, 0.01, *STEEL)
 NODES = [(0.0, 0.0), (0.5, 0.0), (1.0, 0.1), (1.0, 0.6), (1.4, 0.3)]
 ELEMENTS = [(0, 1), (1, 2), (2, 3), (2, 4)]
 HANGERS = [(0, "v", 3e3), (4, "v", 3e3), (1, "u", 1e3)]
-#: What the legend says of the numbers in a picture.
-NUMBERED = ("number of an element", "number of a node")
+NUMBERED = ("number of an element", "number of a node")  #: What the legend says of the numbers in a picture.
 
 
 def frame(nodes=NODES, elements=ELEMENTS, sections=PIPE, **options):

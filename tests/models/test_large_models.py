@@ -13,8 +13,7 @@ import antires_rs as ar
 from reference.meshes import MESHES, frame, lumped
 from tests.support.campaign import some_of
 
-#: Roots in Hz against a solver of the deleted pencil that iterates to 1e-11 in x.
-AGAINST_ARPACK = 1e-8
+AGAINST_ARPACK = 1e-8  #: Roots in Hz against a solver of the deleted pencil that iterates to 1e-11 in x.
 
 
 def chain(n, k=1e6, m=2.0, held=False):

@@ -103,8 +103,7 @@ def square_tube():
 
 NEAR_HZ, LIGHT = np.sqrt(6e4) / (2 * np.pi), tuned([(15, 1e-6)], [1e-6 * (2 * np.pi * 60.0) ** 2])
 CLOSE = {gap: tuned([(6, 0.5), (13, 0.5)], [3e4, 3e4 * (1 + 2 * gap)]) for gap in (5e-7, 1e-7, 1e-8)}
-#: Matrices, dofs, limit in Hz; and how many roots lie within a thousandth of a frequency.
-HARD = {
+HARD = {  #: Matrices, dofs, limit in Hz; and how many roots lie within a thousandth of a frequency.
     **{f"two zeros {gap:g} apart": (pair, (19, 40), 400.0, (NEAR_HZ, 2)) for gap, pair in CLOSE.items()},
     **{f"a pole beside {ends}": (LIGHT, ends, 300.0, (60.0, 1)) for ends in ((19, 19), (19, 46), (46, 46))},
     "driven at its node": (straight(21), (31, 31), 1500.0, None),

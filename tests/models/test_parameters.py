@@ -58,8 +58,7 @@ def moved(nodes, by):
     return {"nodes": new}
 
 
-#: Parameter, a value of it, the model built with that value, its nominal value.
-KINDS = [
+KINDS = [  #: Parameter, a value of it, the model built with that value, its nominal value.
     (ar.youngs_modulus("pipe", bounds=(1e11, 3e11)), 1.9e11, {"modulus": 1.9e11}, E),
     (ar.youngs_modulus(0, bounds=(1e11, 3e11)), 1.9e11, {"modulus": 1.9e11}, E),
     (ar.density("arm", bounds=(7e3, 9e3)), 8100.0, {"density": 8100.0}, RHO),

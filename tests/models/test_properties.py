@@ -122,5 +122,4 @@ def test_the_truth_costs_nothing_but_its_penalty(beta):
     x = np.where(np.array(beta) < 1e-3, 0.0, beta)  # as they are snapped
     zeros = DAMAGE.model_at(x).antiresonances(range(8), 0)
     problem = CASE.damage_problem(ar.AntiresonanceSet(0, dict(enumerate(zeros))))
-    penalty = 0.1 * x.sum() + 0.1 * np.count_nonzero(x)
-    assert problem.cost(x) == pytest.approx(penalty, abs=LAW)
+    assert problem.cost(x) == pytest.approx(0.1 * x.sum() + 0.1 * np.count_nonzero(x), abs=LAW)

@@ -17,8 +17,7 @@ STEEL = (E, RHO, NU)
 WIDTH, HEIGHT, LENGTH = 0.03, 0.08, 0.8
 KAPPA = 10 * (1 + NU) / (12 + 11 * NU)
 BAR = ar.Rectangle(WIDTH, HEIGHT, *STEEL, shear_coefficient="cowper")
-#: State at either end, (w, psi, M, Q): which entries vanish.
-CLAMPED, FREE, PINNED = (0, 1), (2, 3), (0, 2)
+CLAMPED, FREE, PINNED = (0, 1), (2, 3), (0, 2)  #: State at either end, (w, psi, M, Q): which entries vanish.
 
 
 def exact_hz(left, right, count, area, inertia, kappa=KAPPA, length=LENGTH):
@@ -70,8 +69,7 @@ def test_frequencies_converge_to_the_exact_ones(name):
     errors = np.array([elastic(beam(n, BAR, fixed(n)), 4) / exact - 1.0 for n in (8, 16, 32)])
     # A consistent mass is a Rayleigh quotient of the exact energies: never too low.
     assert errors.min() > -1e-9
-    # Elements short against the height: second order.
-    assert np.all(np.log2(errors[:-1] / errors[1:]) > 1.9)
+    assert np.all(np.log2(errors[:-1] / errors[1:]) > 1.9)  # Elements short against the height: second order.
     assert errors[-1].max() < 1e-2
     # Without shear the same beam is far off: the test can fail.
     stiff = elastic(beam(32, ar.Rectangle(WIDTH, HEIGHT, *STEEL), fixed(32)), 4) / exact - 1.0

@@ -17,12 +17,10 @@ from reference.torture_verdict import verdict
 from tests.models.shared import quietly
 from tests.support.campaign import some_of
 
-#: Most seconds for one pencil.
-SLOWEST = 5.0
+SLOWEST = 5.0  #: Most seconds for one pencil.
 #: Kinds in which rounding of the entries moves roots by per cents, so that many cannot be certain.
 HOPELESS = {"penalties"}
-#: Most roots of the others that may be told to be uncertain.
-MOST_UNCERTAIN = 0.02
+MOST_UNCERTAIN = 0.02  #: Most roots of the others that may be told to be uncertain.
 #: Of roots without bounds. The rules were set on the first forty of each kind, and are judged on others.
 RTOL = 1e-6
 

@@ -90,8 +90,7 @@ PROGRAMS = {
     "progress": UPDATE.format(workers=1).replace("=announce", "=announce, progress=True"),
     "python": PYTHON.format(fun="lambda x: float(np.sum(x ** 2))", options=""),
     "vectorized": PYTHON.format(fun="lambda X: np.sum(X ** 2, axis=1)", options=", vectorized=True"),
-    # The signal arrives while Python code runs.
-    "slow": PYTHON.format(
+    "slow": PYTHON.format(  # The signal arrives while Python code runs.
         fun="lambda X: [float(np.sum(x ** 2)) for x in X for _ in range(300)][::300]",
         options=", vectorized=True",
     ),

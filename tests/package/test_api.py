@@ -22,12 +22,10 @@ IN_SOURCE_TREE = (ROOT / "Cargo.toml").is_file()
 
 def test_names_are_sorted_and_every_exception_is_among_them():
     assert list(ar.__all__) == sorted(set(ar.__all__))
-    family = {name for name in vars(exceptions) if name.endswith(("Error", "Warning"))}
-    assert family <= set(ar.__all__)
+    assert {name for name in vars(exceptions) if name.endswith(("Error", "Warning"))} <= set(ar.__all__)
 
 
-#: Everything but the version.
-PUBLIC = [name for name in ar.__all__ if name != "__version__"]
+PUBLIC = [name for name in ar.__all__ if name != "__version__"]  #: Everything but the version.
 
 
 @pytest.mark.parametrize("name", PUBLIC)

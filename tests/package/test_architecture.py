@@ -96,8 +96,7 @@ def test_the_index_is_made_of_the_first_lines():
 
 # -- Rules of the house that code can check: arrows between packages, cycles, sizes of rooms
 PACKAGE = ROOT / "python/antires_rs"
-#: Modules of a room, at most.
-MOST_MODULES = 30
+MOST_MODULES = 30  #: Modules of a room, at most.
 
 pytestmark = pytest.mark.skipif(not (ROOT / "Cargo.toml").is_file(), reason="needs the source tree")
 

@@ -28,12 +28,10 @@ def test_a_spring_has_one_number_in_all_that_is_said_and_drawn(tmp_path, quick_p
     assert str(found.hypotheses).splitlines()[1].split(maxsplit=1)[1].startswith(name)
     assert name in found.summary()
     assert found.problem.names[HIT] == f"stiffness loss of {name}"
-    first = found.hypotheses.to_dataframe().iloc[0]
-    assert tuple(first["elements"]) == (HIT,)
+    assert tuple(found.hypotheses.to_dataframe().iloc[0]["elements"]) == (HIT,)
     assert found.plot().get_xticklabels()[HIT].get_text() == name
     drawn = plotting.plot_chain(model, {HIT: 100.0 * LOSS})
     assert [text.get_text() for text in drawn.texts] == [str(e) for e in range(5)]
     html = write_report(found, tmp_path / "r.html").read_text(encoding="utf-8")
-    answer = re.search(r'<p class="answer">(.*?)</p>', html)[1]
-    assert named(answer, "spring") == {HIT}
+    assert named(re.search(r'<p class="answer">(.*?)</p>', html)[1], "spring") == {HIT}
     assert re.search(rf'<tr class="hit">.*?<th [^>]*>(<span[^>]*>)?{name}<', html, re.DOTALL)

@@ -47,8 +47,7 @@ def test_the_code_of_a_page_runs(page, tmp_path, monkeypatch):
 #: The frame of the page on identification without its table.
 STIFFNESS = np.array([[17e3, -8e3, 0.0], [-8e3, 16e3, -8e3], [0.0, -8e3, 8e3]])
 MASS = np.diag([0.5, 0.5, 0.4])
-#: What the text beside the code says comes out.
-FOUND = {
+FOUND = {  #: What the text beside the code says comes out.
     "start": lambda n: n["damage"].damaged == [4] and sum(map(len, n["zeros"].values())) == 28,
     "parameters": lambda n: n["damage"].damaged == [4] and n["both"].identifiability.rank == 14,
     "identify": lambda n: np.allclose(  # the frame on a table that is held
@@ -133,8 +132,7 @@ STUDIES = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
 
 def test_the_example_runs_as_printed(capsys):
     (example,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
-    lines = [line for line in example.splitlines() if line.strip()]
-    assert len(lines) <= 15
+    assert len([line for line in example.splitlines() if line.strip()]) <= 15
     exec(compile(example, "README.md", "exec"), {})
     assert "spring 4" in capsys.readouterr().out
 

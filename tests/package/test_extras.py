@@ -21,8 +21,7 @@ PACKAGES = {"plot": ["matplotlib"], "report": ["jinja2"], "look": ["bokeh"], "hd
 PACKAGES |= {"tdms": ["npTDMS"], "excel": ["openpyxl"], "miniseed": ["obspy"], "dask": ["dask"]}
 PACKAGES |= {"tables": ["pandas", "xarray"], "series": ["pyarrow"]}
 PACKAGES |= {"ansys": ["ansys-mapdl-reader"], "watch": []}
-#: Extras that bring so much with them that "all" leaves them out.
-LARGE = {"ansys", "dask", "miniseed"}
+LARGE = {"ansys", "dask", "miniseed"}  #: Extras that bring so much with them that "all" leaves them out.
 
 
 @pytest.fixture
@@ -54,8 +53,7 @@ def test_pictures_say_what_to_install(bare, study):
             call()
 
 
-#: Files of other programs, with what a reader meets first in them.
-HEADS = {
+HEADS = {  #: Files of other programs, with what a reader meets first in them.
     "a.tdms": b"TDSm" + bytes(24),  # a segment without anything in it
     "a.xlsx": b"PK",
     "a.parquet": b"PAR1",
@@ -69,8 +67,7 @@ def identified(study, **options):
     return ar.identify_series([study["record"]], excitation=0, band_hz=BAND, **options)
 
 
-#: What asks for an extra, by that extra: of the study and a folder with such files.
-ASKING = [
+ASKING = [  #: What asks for an extra, by that extra: of the study and a folder with such files.
     ("report", lambda study, folder: study["damage"].report(folder / "run.html")),
     ("look", lambda study, folder: study["zeros"].look()),
     ("tdms", lambda study, folder: ar.read_tdms(folder / "a.tdms")),

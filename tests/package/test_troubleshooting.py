@@ -14,8 +14,7 @@ from antires_rs.signals import channel_checks as channels, data_check as check
 from antires_rs.support.messages import entries
 
 SOURCES = Path(ar.__file__).parent
-#: Said in headlines and notes of results.
-OF_RESULTS = {"unexplained", "no_baseline", "one_of_several"}
+OF_RESULTS = {"unexplained", "no_baseline", "one_of_several"}  #: Said in headlines and notes of results.
 FINDINGS = {*check.TESTS, check.SINGLE_HIT, check.MISSED_HIT, channels.HUM, channels.QUANTIZED}
 FINDINGS |= {channels.DOUBLE, channels.DRIFTING, channels.LENGTH, channels.AVERAGES}
 

@@ -104,8 +104,7 @@ def test_a_result_that_does_not_travel_is_an_exception_of_its_task():
 
 @pytest.mark.skipif(os.name != "posix", reason="needs SIGKILL")
 def test_a_task_may_take_workers_along(tmp_path):
-    tasks = [(tmp_path, n, 4) for n in range(12)]
-    assert list(in_order(work.kills, tasks, 2)) == list(range(12))
+    assert list(in_order(work.kills, [(tmp_path, n, 4) for n in range(12)], 2)) == list(range(12))
     assert len(os.listdir(tmp_path)) == 4
     assert multiprocessing.active_children() == []
     with (
@@ -117,8 +116,7 @@ def test_a_task_may_take_workers_along(tmp_path):
 
 @pytest.mark.skipif(os.name != "posix", reason="needs SIGKILL")
 def test_a_task_that_always_kills_is_given_up_alone(tmp_path):
-    tasks = [(tmp_path, n, 99) for n in range(8)]
-    given = list(in_order(work.kills, tasks, 2, losses=2, errors="return"))
+    given = list(in_order(work.kills, [(tmp_path, n, 99) for n in range(8)], 2, losses=2, errors="return"))
     assert [n for n, one in enumerate(given) if isinstance(one, Failed)] == [5]
     error = given[5].error
     assert isinstance(error, ar.LostWorkerError)

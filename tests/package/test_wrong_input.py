@@ -76,8 +76,7 @@ penalty, modal, recording, many = map(
     later, (ar.DamagePenalty, ar.ModalSet, ar.Recording, PROBLEM.evaluate_many)
 )
 modes, cost, chain8 = map(later, (MODEL.modes, PROBLEM.cost, ar.cases.chain8))
-#: What is wrong: (argument that the message must name first, the call).
-WRONG = [
+WRONG = [  #: What is wrong: (argument that the message must name first, the call).
     *all_of("masses_kg", chain, ([], []), ([1.0, NAN], [1.0]), ([1.0, -2.0], [1.0]), ([1.0, 0.0], [1.0])),
     *all_of("masses_kg", chain, ([1.0, 1j], [1.0]), (["a", "b"], [1.0]), ([TWO], [1.0])),
     *all_of("springs_n_per_m", chain, (TWO, TWO), (TWO, [INF]), (TWO, [-1.0])),
@@ -196,8 +195,7 @@ def beam(tube, **options):
 
 ALONE = ar.Recording(np.random.default_rng(0).standard_normal((1, 4000)), 100.0)
 BAD = ar.InvalidInputError
-#: Call, class, path and what was got: from the core, and from checks in Python.
-RAISED = [
+RAISED = [  #: Call, class, path and what was got: from the core, and from checks in Python.
     (chain([1.0, -1.0], [500.0]), BAD, ("masses_kg",), "-1 kg at index 1"),
     (minimize(x0=[0.5, 2.0]), BAD, ("x0", 0, 1), "2"),
     (beam((0.05, 0.04)), BAD, ("sections", 0, "thickness_m"), "a wall of 0.04 m in a tube of 0.05 m"),

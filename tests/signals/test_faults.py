@@ -140,8 +140,7 @@ def test_the_excited_floor_of_the_southampton_frame(floor):
 def test_the_single_hit_on_the_brake_reuss_beam():
     from scipy.io import loadmat
 
-    path = BRAKE_REUSS / "HammerImpact.mat"
-    held = loadmat(path, squeeze_me=True, struct_as_record=False)["HIdata"]
+    held = loadmat(BRAKE_REUSS / "HammerImpact.mat", squeeze_me=True, struct_as_record=False)["HIdata"]
     rec = ar.Recording([held.acc1, held.acc2, held.acc3], 12800.0, dofs=["acc1", "acc2", "acc3"])
     result = ar.check_data(rec, excitation="hammer", band_hz=(50.0, 1200.0))
     assert result.ok

@@ -24,8 +24,7 @@ def test_recording_holds_copies_that_cannot_change():
     assert np.shares_memory(rec.responses, ar.Recording(rec.responses, 5.0).responses)
 
 
-#: Values that an argument cannot have, and words of the error.
-OF_RECORDING = {
+OF_RECORDING = {  #: Values that an argument cannot have, and words of the error.
     "responses": [(DATA[0], "n_channels"), (DATA.T, "Transpose"), (np.where(DATA == 3, np.nan, DATA), "NaN")]
     + [(np.empty((0, 4)), "empty"), (DATA + 1j, "complex")]
 }

@@ -90,8 +90,7 @@ def test_a_force_in_the_middle_is_found_and_one_that_was_not_recorded_cannot_be_
     assert "No recorded dof would fit" in finding.advice
     responses, _ = data(0.01, 56, excitation=3)
     for stated in range(8):
-        named = check(ar.Recording(responses, FS), stated).named("force_location")
-        assert bool(named) == (stated != 3)
+        assert bool(check(ar.Recording(responses, FS), stated).named("force_location")) == (stated != 3)
 
 
 # ---- resolution and length --------------------------------------------------------------------------------

@@ -50,8 +50,7 @@ def test_estimators_have_their_textbook_bias():
     loud = noisy_pair(0.5, 0.0)
     assert loud["h1"] == pytest.approx(3.0 / 1.25, rel=5e-3)
     assert loud["h2"] == pytest.approx(3.0, rel=5e-3)
-    # Equal relative noise on both sides: total least squares is unbiased.
-    both = noisy_pair(0.5, 0.5)
+    both = noisy_pair(0.5, 0.5)  # Equal relative noise on both sides: total least squares is unbiased.
     assert both["hv"] == pytest.approx(3.0, rel=5e-3)
 
 
@@ -203,8 +202,7 @@ def test_the_check_within_an_identification_is_the_check_alone(record):
 def test_the_choice_follows_the_damping():
     case = ar.cases.chain8()
     records = (case.experiment(damping_ratio=ratio, duration_s=256.0, rng=1) for ratio in (0.01, 0.02))
-    chosen = [choose_nperseg(record, BAND) for record in records]
-    assert chosen == [16384, 8192]
+    assert [choose_nperseg(record, BAND) for record in records] == [16384, 8192]
 
 
 def test_averages_and_their_check_need_less_than_the_record_beside_it():

@@ -51,8 +51,7 @@ def test_hits_are_found_where_they_are(times, noise):
 
 
 def test_a_whole_hit_gives_the_frf():
-    rec = hit(duration_s=32.0, damping_ratio=0.02)
-    got = ar.frf(rec, method="transient")
+    got = ar.frf(hit(duration_s=32.0, damping_ratio=0.02), method="transient")
     exact = accelerance(STIFFNESS, MASS, 0, got.freq_hz, 0.02)
     inside = (got.freq_hz > 2) & (got.freq_hz < 130)
     # The decay fits: exp(-2 pi 0.02 22.8 Hz 31 s) is nil; what is left is the cut at 0 Hz.

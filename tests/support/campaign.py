@@ -6,8 +6,7 @@ import os
 
 import pytest
 
-#: For a whole test that repeats at length what others show in small.
-campaign = pytest.mark.campaign
+campaign = pytest.mark.campaign  #: For a whole test that repeats at length what others show in small.
 
 
 def some_of(cases, kept=1):

@@ -8,8 +8,7 @@ import time
 from antires_rs.app import arguments
 from tests.support.job_files import UPDATE
 
-#: Some two hundred generations with migrations, a second or two.
-LONG = UPDATE.replace(
+LONG = UPDATE.replace(  #: Some two hundred generations with migrations, a second or two.
     "seed = 1",
     "seed = 3\nmax_evaluations = 60_000\npatience = 5\n"
     "improvement_tolerance = 0.02\npolish = false\nworkers = 1",

@@ -28,8 +28,7 @@ def springs(true=(550.0, 480.0), error=2e-3, scatter=0.0, seed=0, bounds=(0.8, 1
         hz = {i: f * (1.0 + (error + scatter) * rng.standard_normal(f.size)) for i, f in enumerate(exact)}
         sets.append(ar.AntiresonanceSet(force, hz, std_hz={i: error * f for i, f in enumerate(exact)}))
     nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
-    problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=bounds), sets)
-    return ar.update(problem, rng=0)
+    return ar.update(ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=bounds), sets), rng=0)
 
 
 def noisy_chain8(perturbation, seed, error, stated):
@@ -129,8 +128,7 @@ def test_ranks_of_truths_from_the_prior_are_uniform(name, method, count):
     shares = np.array([row[0] for row in found])
     assert min(kstest(column, "uniform").pvalue for column in shares.T) > 0.01 / shares.shape[1]
     # The pooled ones are more: a posterior 1.5 times too narrow or too wide fails.
-    inside = np.mean([row[1].mean() for row in found])
-    assert 0.82 < inside < 0.97
+    assert 0.82 < np.mean([row[1].mean() for row in found]) < 0.97
 
 
 def test_same_seed_same_bits(free_chain):
@@ -153,8 +151,7 @@ def test_what_is_not_seen_gets_the_bounds_back(free_chain):
     assert np.sum((found.low <= x) & (x <= found.high)) >= 13
     assert result.profile("mass 0", points=5).kind == "flat"
     assert any(result.profile("stiffness of spring 3", points=9).others_on_bound)
-    # Ratios are known to about the errors of the values.
-    ratio = found.draws[:, 5] / found.draws[:, 9]
+    ratio = found.draws[:, 5] / found.draws[:, 9]  # Ratios are known to about the errors of the values.
     assert ratio.std() < 0.01
     assert result.interval == result.intervals().interval
 
@@ -279,8 +276,7 @@ def test_sensitivities_are_those_of_the_structure_at_x():
 
     def squares(factors):
         k1, k2 = springs * factors
-        held = np.array([[k1 + k2, -k2], [-k2, k2]])
-        return eigh(held, np.diag(masses[1:]), eigvals_only=True)
+        return eigh(np.array([[k1 + k2, -k2], [-k2, k2]]), np.diag(masses[1:]), eigvals_only=True)
 
     step = 1e-6
     slopes = [(squares(x + step * h) - squares(x - step * h)) / (2 * step) for h in np.eye(2)]

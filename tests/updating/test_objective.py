@@ -208,16 +208,14 @@ def gone_hz(factor):
 def test_nothing_jumps_where_an_antiresonance_leaves_the_band(others):
     chain = ar.MassSpringChain([1.0, 1.0], [400.0], ground_last_n_per_m=400.0)
     measured, factors = [*others, gone_hz(1.0)], np.linspace(1.0, 4.0, 6001)
-    spring = ar.stiffness_factor([0], bounds=(0.5, 10.0))
-    problem = ar.UpdatingProblem(chain, spring, zeros({0: measured}))
+    problem = ar.UpdatingProblem(chain, ar.stiffness_factor([0], bounds=(0.5, 10.0)), zeros({0: measured}))
     costs = problem.evaluate_many(factors[:, None])
     residuals = np.array([problem.residuals(row) for row in factors[:, None]])
     ratio = gone_hz(factors) / measured[-1]
     # Beyond the limit there is no partner and each value counts as one.
     assert np.isnan(problem.paired_hz([factors[-1]])).all()
     np.testing.assert_array_equal(residuals[-1], 1.0)
-    # Below 1.49 times the highest it is the documented e.
-    plain = ratio < 1.49
+    plain = ratio < 1.49  # Below 1.49 times the highest it is the documented e.
     wanted = (gone_hz(factors[plain])[:, None] / np.array(measured)) ** 2 - 1.0
     np.testing.assert_allclose(residuals[plain], wanted, rtol=1e-9, atol=1e-12)
     # In between J falls from there to what is left, evenly: no step is more than a few of the mean slope.

@@ -75,8 +75,7 @@ def test_masses_and_reductions_of_a_frame_with_consistent_masses():
     truth = np.array([0.25, 0.85, 1.1])
     sensors = [mesh.dof(node, d) for node, d in ((20, "u"), (40, "v"), (53, "u"))]
     tested = mesh.with_parameters(parameters, truth)
-    limit_hz = float(tested.modes(n_modes=9).freq_hz[-1])
-    measured = measured_of(tested, sensors, sensors[-1], limit_hz)
+    measured = measured_of(tested, sensors, sensors[-1], float(tested.modes(n_modes=9).freq_hz[-1]))
     problem = ar.UpdatingProblem(mesh, parameters, measured)
     result = ar.update(problem, optimizer=FEW, rng=1, reduction=True, progress=False)
     assert np.abs(result.x - truth).max() < 1e-4

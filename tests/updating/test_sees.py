@@ -30,8 +30,7 @@ def test_a_transmissibility_sees_what_a_node_hides_but_not_what_all_channels_sha
     for sees in ("transmissibility", None):
         assert paired({3: ON_NODES}, sees) == pytest.approx(ON_NODES, abs=0.005)
     assert np.isnan(paired({3: ON_NODES}, "frf")).all()
-    # Force on the node of the odd modes, whose roots are in every numerator.
-    given = {2: [15.84, 44.38]}
+    given = {2: [15.84, 44.38]}  # Force on the node of the odd modes, whose roots are in every numerator.
     assert paired(given, None, force=3) == pytest.approx([15.84, 44.38], abs=0.005)
     shown = CHAIN.antiresonances(2, 3)
     for sees in ("transmissibility", "frf"):
@@ -79,8 +78,7 @@ def test_the_objective_does_not_jump_where_the_symmetry_breaks():
 def test_halves_of_complex_zeros_are_left_out_and_named():
     case = next(c for c in cases() if c.name == "10 masses, 2 held")
     model = case.build(0.003)
-    # At sensor 2 of this ring two antiresonances have met.
-    dof, freq, part = next(
+    dof, freq, part = next(  # At sensor 2 of this ring two antiresonances have met.
         (d, f[0], p[0])
         for d in case.sensors
         for f, p in [complex_zeros(model, d, case.excitation, 78.0)]
@@ -114,8 +112,7 @@ def test_complex_zeros_are_those_of_the_deleted_pencil(name):
         theirs = theirs[(part > 0.005) & (part <= 0.15) & (np.abs(theirs) <= limit_hz)]
         freq, ours = complex_zeros(model, dof, case.excitation, limit_hz)
         assert freq == pytest.approx(np.sort(np.abs(theirs)), rel=2e-3)
-        order = np.argsort(np.abs(theirs))
-        assert ours == pytest.approx((theirs.imag / np.abs(theirs))[order], abs=2e-3)
+        assert ours == pytest.approx((theirs.imag / np.abs(theirs))[np.argsort(np.abs(theirs))], abs=2e-3)
         compared += freq.size
     assert compared
 
@@ -127,8 +124,7 @@ QUICK = ["5 equal masses, force at 0", "1 storeys of 2, corner"]
 def test_intact_symmetric_structures_are_undamaged_and_their_damage_is_as_visible_as_a_twins(name):
     case = next(c for c in cases() if c.name == name)
     model, twin = case.build(0.0), case.build(1e-3)
-    noisy = ar.assess_damage(model, case.identified(model, noise=0.01, seed=1), rng=0)
-    assert noisy.damaged == []
+    assert ar.assess_damage(model, case.identified(model, noise=0.01, seed=1), rng=0).damaged == []
     result, other = (ar.assess_damage(m, case.identified(m), rng=0) for m in (model, twin))
     assert result.damaged == other.damaged == []
     for element, least in result.detectable.items():

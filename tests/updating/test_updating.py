@@ -120,15 +120,13 @@ def test_standard_deviations_are_those_of_repeated_measurements():
 
 
 def ended_at(result, x):
-    search = dataclasses.replace(result.search, x=np.array(x))
-    return ar.UpdateResult(result.problem, search, result.seed)
+    return ar.UpdateResult(result.problem, dataclasses.replace(result.search, x=np.array(x)), result.seed)
 
 
 def test_a_parameter_on_its_bound_is_named():
     short = ar.IslandGA(max_evaluations=200)
     problem = ar.UpdatingProblem(CASE.model, ar.stiffness_factor(range(4), bounds=(0.9, 1.1)), CASE.exact())
-    # What a polish leaves a hair off is on it.
-    result = ar.update(problem, rng=0, optimizer=short)
+    result = ar.update(problem, rng=0, optimizer=short)  # What a polish leaves a hair off is on it.
     result = ended_at(result, [0.9 + 3e-13, 1.1 - 2e-14, 0.9 + 1e-5, 1.0])
     assert result.at_bound == problem.names[:2]
     assert "On a bound" in " ".join(result.notes)
@@ -277,8 +275,7 @@ def test_problems_and_results_are_read_only():
                 setattr(value, name, None)
     with pytest.raises(TypeError, match="read-only"):
         result.search.options["islands"] = 1
-    # What is made anew at each call may be changed, and changes nothing.
-    problem.names.clear()
+    problem.names.clear()  # What is made anew at each call may be changed, and changes nothing.
     damage.severity.clear()
     damage.detectable.clear()
     problem.nominal[:] = 7.0

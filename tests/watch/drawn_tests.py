@@ -6,8 +6,7 @@ import antires_rs as ar
 
 MASSES = np.array([0.9, 1.1, 1.0, 0.8, 1.2, 1.0])
 SPRINGS = np.array([5.2e4, 4.8e4, 5.5e4, 4.5e4, 5.0e4])
-#: Relative standard deviation of every value.
-STD = 5e-4
+STD = 5e-4  #: Relative standard deviation of every value.
 
 
 def chain(loss=0.0, spring=2, factor=1.0):

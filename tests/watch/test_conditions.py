@@ -6,8 +6,7 @@ import pytest
 import antires_rs as ar
 from tests.watch.drawn_tests import chain, drawn, exact
 
-#: Change of all springs for a degree: 6 % over 40 K.
-PER_K = -1.5e-3
+PER_K = -1.5e-3  #: Change of all springs for a degree: 6 % over 40 K.
 
 
 def weather(temperature_c, rng, *, loss=0.0, bend=None, **options):

@@ -39,8 +39,7 @@ def test_values_followed_from_one_are_compared_however_far_they_moved():
 
 def test_a_store_goes_on_with_the_same_values(tests, series, tmp_path):
     store = tmp_path / "hits.sqlite"
-    few = ar.identify_series(tests[:4], **OPTIONS, store=store)
-    assert few[0].options["fitted"] == "followed"
+    assert ar.identify_series(tests[:4], **OPTIONS, store=store)[0].options["fitted"] == "followed"
     # Four together have other values than eight: what was kept is followed again.
     assert ar.identify_series(tests, **OPTIONS, store=store) == series
     assert ar.identify_series(tests, **OPTIONS, store=store) == series
@@ -57,8 +56,7 @@ def test_what_is_followed_can_be_given(tests, series):
         ar.identify_series(tests[:2], **OPTIONS, near=-1)
 
 
-#: Records that do not suit the others: of the responses (4, n), their rate and dofs.
-UNFIT = {
+UNFIT = {  #: Records that do not suit the others: of the responses (4, n), their rate and dofs.
     "other dofs": lambda x, fs, dofs: (x, fs, ["a", "b", "c", "d"]),
     "fewer channels": lambda x, fs, dofs: (x[:3], fs, dofs[:3]),
     "one channel": lambda x, fs, dofs: (x[:1], fs, dofs[:1]),

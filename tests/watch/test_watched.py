@@ -78,8 +78,7 @@ def test_an_assessor_tells_the_damage_of_a_run():
     rng = np.random.default_rng(77)
     sets = many(exact(chain()), 70, rng) + many(exact(chain(0.03)), 8, rng)
     model = ar.MassSpringChain(MASSES, SPRINGS * rng.uniform(0.97, 1.03, 5))
-    assessor = ar.Assessor(model, baseline=sets[:5], workers=1)
-    watched = ar.monitor(sets, baseline=60, assessor=assessor)
+    watched = ar.monitor(sets, baseline=60, assessor=ar.Assessor(model, baseline=sets[:5], workers=1))
     (first,) = [first for first, _ in watched.runs if first >= 60]
     found = watched.assessments[first]
     assert isinstance(found, ar.AssessedTest)

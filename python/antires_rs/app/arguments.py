@@ -144,8 +144,7 @@ def parameters_of(job: Job, model: StructuralModel) -> tuple[list[Parameter], li
     for i, table in enumerate(job.parameters):
         place = ("parameters", i)
         kind = table["kind"]
-        remedy = "Those of sections, masses and supports need a frame."
-        job.one_of((*place, "kind"), kind, _ON, remedy)
+        job.one_of((*place, "kind"), kind, _ON, "Those of sections, masses and supports need a frame.")
         on = _ON[kind]
         job.only(place, table, kind)
         options = {key: value for key, value in table.items() if key not in ("kind", "bounds", on)}

@@ -33,8 +33,7 @@ def run(argv: Sequence[str] | None) -> int:
             return 1
         except (AntiresError, OSError) as exc:
             complain(exc)
-            wrong = isinstance(exc, InvalidInputError) and not isinstance(exc, UnsuitableDataError)
-            return 2 if wrong else 1
+            return 2 if isinstance(exc, InvalidInputError) and not isinstance(exc, UnsuitableDataError) else 1
 
 
 def _warn(message: Warning | str, category: type[Warning], filename: str, lineno: int, *_: Any) -> None:

@@ -66,8 +66,7 @@ FOLDER = "folder"  # what has no ending: a folder of files of one response each
 SIGNALS = (*ENDINGS, FOLDER)
 RECORDS = formats_of("records")
 CHAIN, FRAME, MATRICES, RESULT = ("chain", "frame", "matrices", "result")
-#: Names of several formats, or kinds of parameter, in the declarations below.
-GROUPS = {
+GROUPS = {  #: Names of several formats, or kinds of parameter, in the declarations below.
     "signals": SIGNALS,
     "records": RECORDS,
     "responses": tuple(kind for kind in SIGNALS if kind not in RECORDS),
@@ -116,8 +115,7 @@ def _key(paragraph: str) -> Key:
     return Key(name, kind, sentence, default, bool(required), groups, flag)
 
 
-#: Options of an identification that commands have too.
-_FLAGS = {
+_FLAGS = {  #: Options of an identification that commands have too.
     "preset": "--preset WORD",
     "route": "--route WORD",
     "max_order": "--max-order N>=2",
@@ -287,16 +285,14 @@ title (text): Heading of the report.
 report (switch) = true: Whether to write report.html.
 pictures (switch) = true: Whether to write the pictures as PNG too.
 """
-#: In the order of a job file.
-SECTIONS = _sections(
+SECTIONS = _sections(  #: In the order of a job file.
     _TEXT.replace("<endings>", " ".join(SIGNAL_ENDINGS)).replace("<formats>", ", ".join(FORMATS)),
     options=_of_options(declared(), declared()),
     two_states=_of_options(SearchOptions.declared(), options_with(TWO_STATES)),
     one_state=_of_options(SearchOptions.declared(), options_with(ONE_STATE)),
 )
 DATA, IDENTIFICATION, PARAMETERS = (SECTIONS[name] for name in ("data", "identification", "parameters"))
-#: What a job of each task may hold, in the order in which ``antires init`` writes it.
-TASKS = {
+TASKS = {  #: What a job of each task may hold, in the order in which ``antires init`` writes it.
     "damage": ("data", "model", "damage", "identification", "search", "output"),
     "update": ("data", "model", "parameters", "updating", "identification", "search", "output"),
     "series": ("data", "series", "identification", "output"),
@@ -379,8 +375,7 @@ def shown(value: Any) -> str:
 # -- The job that ``antires init`` writes: every key with the sentence that explains it
 
 _HEAD = {"damage": "Look for damage", "update": "Update a model", "series": "Identify many tests"}
-#: What is filled in as an example, by model.
-_EXAMPLES = {
+_EXAMPLES = {  #: What is filled in as an example, by model.
     CHAIN: {"masses_kg": "[1.0, 1.0, 1.0]", "springs_n_per_m": "[50e3, 50e3]"},
     FRAME: {
         "nodes_m": "[[0.0, 0.0], [0.5, 0.0], [1.0, 0.0]]",
@@ -389,8 +384,7 @@ _EXAMPLES = {
     MATRICES: {"stiffness": '"K.mtx"', "mass": '"M.mtx"', "stiffness_terms": '"K_element_*.mtx"'},
     RESULT: {"file": '"update_results/result.npz"'},
 }
-#: Kinds of parameter, and on what they act.
-_PARAMETERS = {
+_PARAMETERS = {  #: Kinds of parameter, and on what they act.
     CHAIN: {"mass_factor": "terms", "stiffness_factor": "elements"},
     FRAME: {"thickness": "sections", "stiffness_factor": "elements"},
     MATRICES: {"stiffness_factor": "elements"},
@@ -405,8 +399,7 @@ thickness_m = 0.002
 youngs_modulus_pa = 2.1e11
 density_kg_per_m3 = 7850.0
 """
-#: Which dofs a question mark may stand for, by model.
-_DOFS = {
+_DOFS = {  #: Which dofs a question mark may stand for, by model.
     CHAIN: " Dofs count from 0, mass by mass.",
     FRAME: ' Dofs of frames are written as in "2 u": node 2, along x.',
     MATRICES: " Dofs are rows of the matrices, from 0.",

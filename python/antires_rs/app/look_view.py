@@ -30,8 +30,7 @@ def view_of(args: argparse.Namespace) -> View:
     else:
         session = _of_files(args)
     session.make_again(edits)
-    more = f" and {len(args.files) - 1} more" if len(args.files) > 1 else ""
-    return SetView(session, first.name + more)
+    return SetView(session, first.name + (f" and {len(args.files) - 1} more" if len(args.files) > 1 else ""))
 
 
 def _of_files(args: argparse.Namespace) -> Session:

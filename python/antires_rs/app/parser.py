@@ -121,8 +121,7 @@ def edit(text: str) -> str:
     return text
 
 
-#: By the word that stands for a value.
-_KINDS: dict[str, Callable[[str], Any]] = {
+_KINDS: dict[str, Callable[[str], Any]] = {  #: By the word that stands for a value.
     **dict.fromkeys(("DIR", "FILE", "FILE.json", "FILE.html", "FOLDER", "JOB", "RESULT"), Path),
     **dict.fromkeys(("DOF", "SENSOR"), dof),
     **dict.fromkeys(("HZ", "LOW", "VALUE"), number(float, 0.0)),
@@ -256,8 +255,7 @@ _SHARED = {
     "files": "a measurement (<endings>, or a folder of files of one FRF each), several of one test,",
     "edit": ', with a reason after a blank that is kept in the file: "3=31.9 mains hum"; once for each',
 }
-#: What the help says of an argument that it does not take from the sentence of the key of a job.
-_HELP = {
+_HELP = {  #: What the help says of an argument that it does not take from the sentence of the key of a job.
     "format": "format of the file (default: its ending tells)",
     "excitation": "dof of the one force: a number, or a name as the file has it",
     "force": "channel of the force",

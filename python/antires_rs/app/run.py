@@ -187,8 +187,7 @@ def _made(data: dict[str, Any]) -> StabilizationDiagram:
     ends = np.cumsum(data["counts"])[:-1]
     rows = {name: tuple(np.split(data[name], ends)) for name in _ROWS}
     rows["stable"] = tuple(row.astype(bool) for row in rows["stable"])
-    # Files of older versions do not have what was not accepted.
-    tables = {}
+    tables = {}  # Files of older versions do not have what was not accepted.
     for name in (name for name in _TABLES if name in data):
         hz, damping, std = map(data[name].pop, _COLUMNS)
         tables[name] = ResponseTable(hz, damping, std, data[name])
@@ -287,13 +286,11 @@ def summary_of(
         "J": number(result.fun),
         **{name: getattr(result, own) for name, own in how.items()},
         **(_losses(result, at_once) if isinstance(result, DamageResult) else _parameters(result, at_once)),
-        # As in Python: "dof", "element" and the numbers in names count from 0.
-        "counted_from": 0,
+        "counted_from": 0,  # As in Python: "dof", "element" and the numbers in names count from 0.
         "largest_before_percent": number(table.largest_before_percent),
         "largest_after_percent": number(table.largest_after_percent),
         "antiresonances": frequencies,
-        # Those of the data check have been raised as one.
-        "warnings": [
+        "warnings": [  # Those of the data check have been raised as one.
             *(text for check in checks for text in check.warnings),
             *(text for text in record["warnings"] if not text.startswith("data check: ")),
         ],
@@ -336,8 +333,7 @@ def _losses(result: DamageResult, at_once: bool) -> dict[str, Any]:
     chance = result.probability if judged else {}
     seen = {} if at_once else result.detectable
     elements = result.severity.keys()
-    hypotheses = result.hypotheses if judged else ()
-    probable = [one for one in hypotheses if one.probability >= _LEAST]
+    probable = [one for one in (result.hypotheses if judged else ()) if one.probability >= _LEAST]
     figures = ("probability_of_damage", "probability_elsewhere", "chi_square")
     return {
         "headline": result.headline if judged else None,

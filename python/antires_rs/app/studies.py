@@ -153,8 +153,7 @@ def search(args: argparse.Namespace) -> int:
     job = read_job(args.job)
     if job.task != args.command:
         got = f"{str(args.job)!r}, which has {HEADINGS[job.task]}"
-        remedy = f"Use 'antires {job.task} {args.job}'."
-        reject("JOB", got, f"a job with {HEADINGS[args.command]}", remedy)
+        reject("JOB", got, f"a job with {HEADINGS[args.command]}", f"Use 'antires {job.task} {args.job}'.")
     return runs.run(job, args, fresh=args.fresh)
 
 

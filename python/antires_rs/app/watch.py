@@ -151,8 +151,7 @@ def _draw(series: Series, folder: Path, over: str | None) -> str | None:
 
 def _lasting(tracks: Tracks) -> Tracks:
     """The tracks that a picture shows."""
-    seen = np.sum(~np.isnan(tracks.freq_hz), axis=0)
-    kept = np.flatnonzero(seen >= LEAST_SHARE * len(tracks.conditions))
+    kept = np.flatnonzero(np.sum(~np.isnan(tracks.freq_hz), axis=0) >= LEAST_SHARE * len(tracks.conditions))
     freq_hz, std_hz = tracks.freq_hz[:, kept], tracks.std_hz[:, kept]
     return replace(tracks, dof=tracks.dof[kept], freq_hz=freq_hz, std_hz=std_hz, events=())
 

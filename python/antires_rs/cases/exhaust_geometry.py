@@ -53,8 +53,7 @@ HANGERS: tuple[tuple[int, float, float], ...] = ((2, 1500.0, 500.0), (20, 1500.0
 
 #: Shaker at the mouth of the second tail pipe, along the car: every mode up to 300 Hz moves there.
 SHAKER: tuple[int, str] = (47, "u")
-#: Accelerometers, each across its pipe as far as a frame's dofs allow.
-SENSORS = tuple(
+SENSORS = tuple(  #: Accelerometers, each across its pipe as far as a frame's dofs allow.
     zip((0, 3, 6, 10, 12, 15, 18, 20, 24, 28, 30, 32, 35, 37, 41, 47), "vvvvuvvvuvvuvvuv", strict=True)
 )
 #: Bends whose angle is uncertain: the run after the pivot rotates, and all behind it.

@@ -703,8 +703,7 @@ class Assessor(ReadOnly, Viewed):
         # In place of a test of now: the first set of each force.
         first = {each.excitation: each for each in reversed(before)}
         question = question_of(model, before, tuple(reversed(first.values())), chosen, prior, options)
-        generator = np.random.default_rng(seed_of(rng))
-        self._fill(_plan=plan_of(question, generator, thread_count(workers)))
+        self._fill(_plan=plan_of(question, np.random.default_rng(seed_of(rng)), thread_count(workers)))
 
     @classmethod
     def _of(cls, plan: Plan) -> Assessor:

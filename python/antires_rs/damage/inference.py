@@ -386,8 +386,7 @@ class Search:
 
     def _further(self, elements: Elements) -> list[int]:
         """Elements that may join a set."""
-        count = self.n_candidates if elements else self.likelihood.n
-        return [e for e in range(count) if e not in elements]
+        return [e for e in range(self.n_candidates if elements else self.likelihood.n) if e not in elements]
 
     def _larger(self, elements: Elements, view: View) -> list[int]:
         """Elements with which a set is judged too, from the same point."""
@@ -726,8 +725,7 @@ def smallest_found(
     times, share = np.array([each[1:] for each in ERRORS]).T  # errors as they may be: multiples of the stated
     logs = np.log(share) - m * np.log(times) - 0.5 * chi_square[:, None] / times**2
     probable = np.logaddexp.reduce(logs, axis=1)
-    worth = probable[0] - probable[1:]
-    least = np.interp(np.maximum(against, 0.0), worth, height)
+    least = np.interp(np.maximum(against, 0.0), probable[0] - probable[1:], height)
     unit = slopes / size
     alike = np.clip(unit.T @ unit, -1.0, 1.0)
     found = np.full(n, np.inf)
@@ -917,8 +915,7 @@ def concluded(
     if best.candidate and learned.threshold is not None:
         odds = float(np.logaddexp.reduce([-np.inf, *damage.values()])) - weights[()]
         declared = tuple(numbers[e] for e in likeliest) if odds > learned.threshold else ()
-    # The values as the likeliest hypothesis sees them.
-    shaped = search.shaped_as(key)
+    shaped = search.shaped_as(key)  # The values as the likeliest hypothesis sees them.
     view: View = search.fits[() if key == UNKNOWN else key].view if shaped is None else shaped.view
     matched, n_free = view.n_matched, 1 if key[:1] < (-1,) else len(best.severities)
     shift = likelihood.moved_alike if key == UNKNOWN else float(np.expm1(view.shift))

@@ -724,8 +724,7 @@ class ValueLikelihood(ABC):
         if self.something_else > np.log(2.0) + alike:  # less than half of it
             return 0.0
         view = self.without_damage(0.0, likeliest)
-        frequency = self.now.kind[view.partner >= 0] == 0
-        moved = view.residual[frequency]
+        moved = view.residual[self.now.kind[view.partner >= 0] == 0]
         return float(np.expm1(np.median(moved))) if moved.size else 0.0
 
     @cached_property

@@ -59,8 +59,7 @@ class ModeRoots(Roots):
 
     def between(self, low: float, high: float) -> NDArray[np.bool_]:
         """Which belong to a mode between two ln f."""
-        inside = (self.frequencies > low) & (self.frequencies < high)
-        return np.repeat(inside, self.each)
+        return np.repeat((self.frequencies > low) & (self.frequencies < high), self.each)
 
     def only(self, kept: NDArray[np.bool_]) -> ModeRoots:
         """Some of the modes; ``kept`` is by root."""
@@ -94,8 +93,7 @@ class ModeRoots(Roots):
             turned = basis.copy()
             turned[old] = _turned(known, shapes[old], before.bases[group][was[old]])
             if slopes is not None:  # slopes are coordinates as well
-                moved = basis @ slopes[:, at]
-                slopes[:, at] = facing[:, None, None] * (turned.transpose(0, 2, 1) @ moved)
+                slopes[:, at] = facing[:, None, None] * (turned.transpose(0, 2, 1) @ (basis @ slopes[:, at]))
             place[:, at] = 0.0
             place[old, at] = -np.einsum("mij,mi->mj", turned[old], known)
             bases.append(turned)
@@ -279,13 +277,11 @@ class ModeResponses:
 
     groups: dict[_Dofs, int]
     measured: tuple[ModalSet, ...]
-    #: Of each set of now, the numbers of its flexible modes.
-    numbers: tuple[NDArray[np.intp], ...]
+    numbers: tuple[NDArray[np.intp], ...]  #: Of each set of now, the numbers of its flexible modes.
     highest_hz: float
     left_out: tuple[str, ...]
     assumed: bool
-    #: Sensors of each test of the intact structure.
-    tests: tuple[int, ...]
+    tests: tuple[int, ...]  #: Sensors of each test of the intact structure.
     noun = "modes"
 
     def source(self, model: StructuralModel, parts: Any) -> ModeSource:

@@ -177,8 +177,7 @@ class Values(_Frequencies):
         place = np.concatenate([[-np.inf], place, [np.inf]])
         value = self.log_f + _APART * self.response
         after = np.searchsorted(place, value)
-        near = np.minimum(value - place[after - 1], place[after] - value)
-        return float(np.minimum(near, _FAR).sum())
+        return float(np.minimum(np.minimum(value - place[after - 1], place[after] - value), _FAR).sum())
 
 
 # -- What was measured as values; one record given twice tells no more than once: sets that are equal bit by
@@ -449,8 +448,7 @@ def contradiction(values: Values, forces: Sequence[int]) -> Contradiction:
     found = [Contradiction()]
     for force in sorted(set(forces)):
         tests = [nth for nth, each in enumerate(forces) if each == force]
-        pairs = combinations(tests, 2)
-        known = {pair: one for pair in pairs if (one := _apart(values, *pair)) is not None}
+        known = {pair: one for pair in combinations(tests, 2) if (one := _apart(values, *pair)) is not None}
         for odd in tests:
             own = [known[pair] for pair in known if odd in pair]
             others = [known[pair][0] for pair in known if odd not in pair]

@@ -125,8 +125,7 @@ class Local:
         terms, own = near.terms, near.basis.vectors
         self._change = coordinates(np.hstack([own[terms.rows], vectors[terms.rows]]))
         self.size = self._change.shape[1]
-        # An objective has a parameter at least.
-        scaled = elements or (0,)
+        scaled = elements or (0,)  # An objective has a parameter at least.
         # What is lost with severity one of what the point has left.
         lost = [terms.left(e, near.x) * terms.of_element(e).on(own, vectors) for e in scaled]
         model = projected(self._change, *near.on_basis(vectors), lost, [])

@@ -129,8 +129,7 @@ class Sampled:
 
     def resampled(self, count: int, rng: np.random.Generator) -> FloatArray:
         """So many severities (count, n) of equal weight, in random order."""
-        chosen = evenly_chosen(self.weight, count, rng)
-        return np.asarray(self.beta[rng.permutation(chosen)])
+        return np.asarray(self.beta[rng.permutation(evenly_chosen(self.weight, count, rng))])
 
     def widened(self, gain_std: float, rng: np.random.Generator) -> Sampled:
         """With the error that a wrong model makes of a loss, which the likelihood does not know."""
@@ -147,8 +146,7 @@ class Sampled:
 
 def linear(fit: Fit, count: int, rng: np.random.Generator) -> Sampled:
     """Severities of the Gaussian of ``fit``, without another look at the model."""
-    gaussian = truncated(fit.mean, fit.covariance)
-    u, log_weight = gaussian.draws(_evenly(count, fit.mean.size, rng))
+    u, log_weight = truncated(fit.mean, fit.covariance).draws(_evenly(count, fit.mean.size, rng))
     weight = np.exp(log_weight - log_weight.max())
     weight /= weight.sum()
     return Sampled(-np.expm1(-u), weight, fit.log_evidence, float(1.0 / np.sum(weight**2)))
@@ -205,8 +203,7 @@ def _evenly(count: int, n: int, rng: np.random.Generator) -> FloatArray:
     x = 1.0
     for _ in range(60):
         x = (1.0 + x) ** (1.0 / (n + 1))
-    steps = x ** -np.arange(1.0, n + 1.0)
-    points = (rng.random(n) + np.arange(count)[:, None] * steps) % 1.0
+    points = (rng.random(n) + np.arange(count)[:, None] * x ** -np.arange(1.0, n + 1.0)) % 1.0
     return np.clip(points, 1e-12, 1.0 - 1e-12)
 
 
@@ -312,8 +309,7 @@ def _fit_of(one: Hypothesis, prepared: Prepared) -> Fit:
         return settled(prepared.likelihood, places, np.array(one.severities))[0]
     low, u, high = (-np.log1p(-np.minimum(b, HIGHEST)) for b in (one.low, one.severities, one.high))
     std = np.maximum(high - low, 1e-9) / (2.0 * float(ndtri(0.5 + 0.5 * LEVEL)))
-    view = prepared.likelihood.start
-    return Fit(one.elements, 0.0, np.array(one.severities), u, np.diag(std**2), view)
+    return Fit(one.elements, 0.0, np.array(one.severities), u, np.diag(std**2), prepared.likelihood.start)
 
 
 # -- Profile likelihood of one severity, in u = -ln(1 - beta), by the likelihood of the assessment

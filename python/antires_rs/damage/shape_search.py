@@ -115,8 +115,7 @@ def _search(search: Search, prepared: Prepared, question: Question, found: Found
             place = f"support of {question.model.element_label(e)} yields"
             prior = float(np.log(_ELSEWHERE["support"] / len(carried)))
             found.others.append(Shaped("support", place, fit.log_evidence + prior, fit.view))
-    factor = prepared.stiffness_factors
-    shapes = frame.shapes(factor)
+    shapes = frame.shapes(prepared.stiffness_factors)
     if not shapes:
         return
     step("cracks, joints and masses")

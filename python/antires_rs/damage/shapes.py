@@ -274,8 +274,7 @@ class Chain(Structure):
     @property
     def along(self) -> FloatArray:
         """From the first spring to the last, springs to ground behind them."""
-        between = np.linspace(-1.0, 1.0, max(self.model.n_dof - 1, 1))
-        return np.concatenate([between, [-1.0, 1.0]])
+        return np.concatenate([np.linspace(-1.0, 1.0, max(self.model.n_dof - 1, 1)), [-1.0, 1.0]])
 
     def shapes(self, factor: Mapping[int, float]) -> list[Shape]:
         """A mass at each of the masses."""
@@ -359,10 +358,7 @@ class Inner(NamedTuple):
 
 
 class Frame(Structure):
-    """The geometry of a frame, its matrices with every dof free, and the shapes that these give.
-
-    ``factor`` is that of each element's stiffness, after the baseline.
-    """
+    """Geometry of a frame, its matrices with every dof free, its shapes with the baseline's ``factor``."""
 
     def __init__(self, model: FrameModel, highest_hz: float = 0.0) -> None:
         recipe = model._recipe
@@ -433,8 +429,7 @@ class Frame(Structure):
                     own.append(n)
                     springs.setdefault((node, ""), []).append((n, turn * stiffness))
                     n += 1
-            held = product(self.ends[element], self.moves) if move else ()
-            for node, name in held:
+            for node, name in product(self.ends[element], self.moves) if move else ():
                 column = (ends == self.at[node, name]).astype(np.float64)
                 if not free[ends == self.at[node, name]].all() and (k @ column)[free].any():
                     turned.append(column)
@@ -583,8 +578,7 @@ class Frame(Structure):
                 k = first + self.hinge_nodes.index((node, name))
                 rows, columns, values = self.finer._core.stiffness_terms()[k]
                 term = Entries(rows, columns, factor.get(k, 1.0) * values)
-            named = f"support at node {node} ({name})"
-            found.append(Shape("support", -1, 0.0, node, 1.0, term, name=named))
+            found.append(Shape("support", -1, 0.0, node, 1.0, term, name=f"support at node {node} ({name})"))
         return found
 
     def cracks(self, element: int, shares: Sequence[float], factor: Mapping[int, float]) -> list[Shape]:

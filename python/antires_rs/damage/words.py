@@ -200,8 +200,7 @@ def _common(found: Assessment) -> tuple[int, ...]:
 def _with_share(found: Assessment, elements: tuple[int, ...]) -> str:
     """Elements, and the probability that they are damaged, whatever else is."""
     every = (one for one in found.hypotheses if one.candidate and {*elements} <= {*one.elements})
-    share = sum(one.probability for one in every)
-    return f"{found.hypotheses.named(elements)} ({percent(share)})"
+    return f"{found.hypotheses.named(elements)} ({percent(sum(one.probability for one in every))})"
 
 
 # -- The first lines of a report
@@ -329,8 +328,7 @@ def headline_of_one_state(
 
 def all_lost(losses: Mapping[int, float], n_elements: int) -> bool:
     """Whether so many elements have lost nearly all stiffness that it is no damage but a wrong model."""
-    nearly = sum(beta >= _LOST for beta in losses.values())
-    return nearly >= min(_MOST_LOST, max(0.5 * n_elements, 2.0))
+    return sum(beta >= _LOST for beta in losses.values()) >= min(_MOST_LOST, max(0.5 * n_elements, 2.0))
 
 
 _FEW = 4  # with fewer values to spare a fit says little

@@ -211,8 +211,7 @@ def probabilities(hypotheses: Hypotheses, most: int = MOST_ROWS) -> Panel:
     said = [", ".join(loss(*each, " %") for each in of) or "-" for of in losses]
     under = [", ".join(f"{100 * s:.1f} % ({span(low, high)})" for s, low, high in of) for of in losses]
     labels = [f"{name}\n{text}" if text else name for name, text in zip(names, under, strict=True)]
-    # Damage of candidates, no damage, what none of them explains.
-    looks: list[dict[str, Any]] = [
+    looks: list[dict[str, Any]] = [  # Damage of candidates, no damage, what none of them explains.
         {"face": "blue" if one.elements else "white"} if one.candidate else {"face": "white", "hatch": "////"}
         for one in rows
     ]
@@ -231,5 +230,4 @@ def probabilities(hypotheses: Hypotheses, most: int = MOST_ROWS) -> Panel:
     shown = ["< 0.001" if p < 0.0005 else "> 0.999" if p > 0.9995 else f"{p:.3f}" for p in values]
     marks.append(Words(values, range(len(values)), shown, "right", 5.0))
     x = Axis("Probability", (0.0, 1.12), at=np.linspace(0.0, 1.0, 6))
-    y = Axis("", (len(names) - 0.4, -0.6), names=labels)
-    return Panel("hypotheses", x, y, marks, grid="x")
+    return Panel("hypotheses", x, Axis("", (len(names) - 0.4, -0.6), names=labels), marks, grid="x")

@@ -23,8 +23,7 @@ if TYPE_CHECKING:
     from ..signals.one_force import DataCheck
 
 CURVE = "#B8B8B8"  # lighter than every mark, also where colours are lost
-#: Colour and dash of each kind of value.
-LOOKS: dict[str, tuple[str, Any]] = {
+LOOKS: dict[str, tuple[str, Any]] = {  #: Colour and dash of each kind of value.
     "accepted": (COLOURS["vermillion"], "--"),
     "accepted, not stable": (COLOURS["vermillion"], "-."),
     "added by hand": (COLOURS["black"], (8, 3)),

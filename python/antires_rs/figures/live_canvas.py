@@ -138,8 +138,7 @@ def dash_of(dash: Any) -> Any:
 
 
 def _stroke(mark: marks.Line | marks.Rules | marks.Paths) -> dict[str, Any]:
-    width = LINE_PX * mark.width
-    return {"line_color": mark.colour, "line_dash": dash_of(mark.dash), "line_width": width}
+    return {"line_color": mark.colour, "line_dash": dash_of(mark.dash), "line_width": LINE_PX * mark.width}
 
 
 def _fill(mark: marks.Bars | marks.Bands, ink: str | None) -> dict[str, Any]:

@@ -119,8 +119,7 @@ class Bands(Mark):
     hatch: str = ""
 
 
-#: Way from its place, and alignments, of a text beside it.
-BESIDE = {
+BESIDE = {  #: Way from its place, and alignments, of a text beside it.
     "above": ((0, 1), "center", "bottom"),
     "below": ((0, -1), "center", "top"),
     "right": ((1, 0), "left", "center"),

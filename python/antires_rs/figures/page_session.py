@@ -554,8 +554,7 @@ class SetView(View):
 
     def _identify(self, a: Arguments) -> str:
         band = None if a.get("low_hz") is None else (_number(a, "low_hz"), _number(a, "high_hz"))
-        order = None if a.get("max_order") is None else _whole(a, "max_order")
-        return self.session.identify(band, order)
+        return self.session.identify(band, None if a.get("max_order") is None else _whole(a, "max_order"))
 
     def _dof(self, a: Arguments) -> Any:
         return self._at(_whole(a, "dof"))

@@ -106,8 +106,7 @@ def plot_detectability(curves: DetectionCurves, ax: Any = None) -> Any:
     shown = shown[shown <= last]
     x_axis = Axis("Stiffness loss (%)", (shown.min(), last), log=True)
     y_axis = Axis("Probability of detection (%)", (-6.0, 106.0), at=range(0, 101, 20))
-    panel = Panel("detectability", x_axis, y_axis, marks, grid="both")
-    ax = draw(panel, new_axes(ax, (7.5, 4.6)))
+    ax = draw(Panel("detectability", x_axis, y_axis, marks, grid="both"), new_axes(ax, (7.5, 4.6)))
     plain_log(ax.xaxis)
     look = {"xytext": (4, 0), "textcoords": "offset points", "va": "center", "fontsize": "small"}
     ax.annotate("90 %", (1.0, _LEVEL), xycoords=ax.get_yaxis_transform(), **look)

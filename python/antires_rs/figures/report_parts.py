@@ -71,8 +71,7 @@ def of_signal(signal: Recording | FrequencyResponse) -> Facts:
     return facts | ({} if signal.n_averages is None else {"Averages": [f"{signal.n_averages:.1f}"]})
 
 
-#: How values were accepted, in words.
-_HOW = {
+_HOW = {  #: How values were accepted, in words.
     "chain": "stable over consecutive orders",
     "persistent": "in most orders without standing still",
     "likeliest order": "from the likeliest order alone",
@@ -209,8 +208,7 @@ def packed(figure: Callable[[], Any]) -> str:
     made = figure() if find_spec("bokeh") else None
     if made is None:
         return ""
-    # Its parts are named by what it shows: the same report is the same bytes.
-    names: dict[str, str] = {}
+    names: dict[str, str] = {}  # Its parts are named by what it shows: the same report is the same bytes.
     text = json.dumps(item(made), separators=(",", ":"))
     counted = _NAMED.sub(lambda m: m[1] + names.setdefault(m[2], f"p{len(names)}"), text)
     mark = sha256(counted.encode("utf-8")).hexdigest()[:8]

@@ -103,8 +103,7 @@ def responses(
     y = Axis(f"{labels[0]} (dB)")
     if not alone:
         highest = max(float(np.nanmax(mark.y)) for mark in marks if isinstance(mark, Line))
-        limits = (top - 4.0, highest + 4.0)
-        y = Axis("FRFs, each shifted (dB)", limits, names=labels, at=places)
+        y = Axis("FRFs, each shifted (dB)", (top - 4.0, highest + 4.0), names=labels, at=places)
         marks.insert(0, Rules(np.arange(0.0, top, -20.0), colour="#EBEBEB", width=0.6))
     x, grid = Axis("Frequency (Hz)", (freq[0], freq[-1])), "both" if alone else "x"
     return Panel("response", x, y, marks, grid=grid)

@@ -238,8 +238,7 @@ def frame(
             says, more = {name.capitalize(): "@dof"}, {"dof": [f"node {node} {way}" for node, way in along]}
             marks.append(Arrows(tails, heads, colour, 1.6 * length, label=name, says=says, more=more))
     if numbers or (numbers is None and len(ends) <= MOST_NUMBERS):
-        nodes = numbers or len(points) <= MOST_NODES
-        marks += _numbers(model.elements, scale * points, scale, nodes)
+        marks += _numbers(model.elements, scale * points, scale, numbers or len(points) <= MOST_NODES)
     x, y = ("isometric view (m)", "") if space else ("x (m)", "y (m)")
     sections = map(model.section_label, range(len(model.sections)))
     first = (*sections, "fixed", "partly fixed", "point mass", "spring to ground", "node spring")

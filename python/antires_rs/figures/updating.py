@@ -77,8 +77,7 @@ def differences(table: Any, names: tuple[str, str], wide_pt: float | None = None
     firsts = np.flatnonzero(starts)
     marks += [Rules(0.0), Rules(x[firsts[1:]] - 0.5 - GAP / 2, upright=True, colour="pale", width=0.7)]
     if wide_pt is not None:
-        # A name that would run into the one before it is left out.
-        free, kept = -np.inf, []
+        free, kept = -np.inf, []  # A name that would run into the one before it is left out.
         for begin, end, text in named:
             centre, half = x[begin:end].mean(), 0.5 * most * (text_width_pt(text) + 2.0) / wide_pt
             if centre - half >= free:
@@ -188,8 +187,7 @@ def convergence(result: UpdateResult | OptimizeResult) -> Panel:
     kept = np.unique(np.linspace(0, len(nfev) - 1, min(len(nfev), MOST_POINTS)).round().astype(int))
     log = bool(np.isfinite(cost).all() and cost.min() > 0.0 and cost.max() > 3.0 * cost.min())
     says = {"Evaluations": "@x{0,0}", "J": "@y{0.000000e+0}"}
-    # Different widths keep islands apart that run on top of each other.
-    marks: list[Mark] = []
+    marks: list[Mark] = []  # Different widths keep islands apart that run on top of each other.
     for i, column in enumerate(cost.T):
         look = turn(i) | {"width": max(2.6 - 0.5 * i, 1.0), "steps": True, "label": f"island {i}"}
         marks.append(Line(nfev[kept], column[kept], says={"": f"island {i}"} | says, **look))
@@ -197,8 +195,7 @@ def convergence(result: UpdateResult | OptimizeResult) -> Panel:
     if at.size:
         foot, label = np.full(at.size, cost[np.isfinite(cost)].min()), f"migration ({at.size} in all)"
         marks.append(Points(at, foot, "|", 9.0, stroke=0.8, label=label))
-    # The last step has no width: a dot says where it ends.
-    ends = np.repeat(nfev[-1:], cost.shape[1])
+    ends = np.repeat(nfev[-1:], cost.shape[1])  # The last step has no width: a dot says where it ends.
     marks.append(Points(ends, cost[-1], size=5.0, face="white", spill=True, label="end"))
     x = Axis("Evaluations of all islands (-)", (0.0, 1.03 * max(float(nfev[-1]), 1.0)))
     return Panel("convergence", x, Axis("Best objective J (-)", log=log), marks, grid="both")

@@ -87,10 +87,7 @@ def diagrams_of(
     looks: Sequence[Look] = (),
     fits: Sequence[Likeliest] = (),
 ) -> dict[Any, StabilizationDiagram]:
-    """One diagram for each of ``dofs``, by the formulation of the options, which is no longer "auto".
-
-    ``fits`` are the likeliest numerators of every window where they are known.
-    """
+    """A diagram for each dof, by a formulation not "auto"; ``fits``: likeliest numerators of windows."""
     first = lines_for(FORCE if options.use_force else 0)
     if options.formulation == "directions":
         found = dict(zip(dofs, direction_diagrams(looks, first, len(dofs), band, options), strict=True))
@@ -450,8 +447,7 @@ def _looks(
     if asked:
         needed = f"a band with at least {2 * LEAST_LINES} lines for local fits"
         reject("band_hz", f"({band[0]:g}, {band[1]:g}) Hz", needed, "Widen the band, or record for longer.")
-    averaged = averages.spectra.n_averages > 1
-    return [], replace(options, formulation="numerators" if averaged else "windows")
+    return [], replace(options, formulation="numerators" if averages.spectra.n_averages > 1 else "windows")
 
 
 def _followed(
@@ -477,8 +473,7 @@ def _followed(
     if searched is not None:
         better = searched.options["fitted"] == "numerators"
         tables = with_search(tables, searched, better=better, new=options.rule.new_values)
-    # Curves of FRFs tell the roots of the FRF, but what is followed may be others.
-    of_size = (
+    of_size = (  # Curves of FRFs tell the roots of the FRF, but what is followed may be others.
         isinstance(source, FrequencyResponse) and source.kind == "frf" and near.sees != "transmissibility"
     )
     return AntiresonanceSet.from_tables(

@@ -94,8 +94,7 @@ class Lines:
         if self.runs is None:
             return self
         draws = np.arange(self.runs.shape[2])
-        each = Segments.of(np.sqrt(self.snr)[:, None, None] * self.runs)
-        return replace(self, segments=each, draws=draws)
+        return replace(self, segments=Segments.of(np.sqrt(self.snr)[:, None, None] * self.runs), draws=draws)
 
     @property
     def n_tests(self) -> int:
@@ -212,10 +211,7 @@ def lines_of(
     use_force: bool,
     estimator: str,
 ) -> Callable[[int], Lines]:
-    """Response vectors of either source; the argument is the row that will be divided by.
-
-    ``averages`` are those of a record, with the force where it is used; None for measured curves.
-    """
+    """Response vectors by the row to be divided by; ``averages`` of a record, None for measured curves."""
     if isinstance(source, FrequencyResponse):
         same = lines_of_response(source, band_hz, use_force=use_force)
         return lambda row: same

@@ -70,8 +70,7 @@ def stretches(freq_hz: FloatArray, ratio: float, least: int) -> list[Stretch]:
 
 def around(freq_hz: FloatArray, value_hz: float, ratio: float, least: int) -> Stretch:
     """The stretch of a scale with this value in its middle, as far as the band reaches."""
-    spacing = float(np.median(np.diff(freq_hz)))
-    half = max(value_hz * (np.sqrt(ratio) - 1.0), 0.5 * least * spacing)
+    half = max(value_hz * (np.sqrt(ratio) - 1.0), 0.5 * least * float(np.median(np.diff(freq_hz))))
     first, last = np.searchsorted(freq_hz, (value_hz - half, value_hz + half))
     return _stretch(freq_hz, int(first), max(int(last), int(first) + 2))
 
@@ -113,10 +112,7 @@ def fits(
     weights: FloatArray,
     orders: tuple[int, ...],
 ) -> list[LocalFits]:
-    """Fit vectors (n_views, n_fitted, n_rows), unit or zero, at the lines of each of some stretches.
-
-    The weights of the lines (n_freq,) and the iteration are those of the first view.
-    """
+    """Fit vectors (n_views, n_fitted, n_rows), unit or zero, over stretches, with the first one's weights."""
     numbers = max(own.size for own in vectors) * (orders[-1] + 1)
     count = max(1, AT_A_TIME // numbers)
     if len(over) > count:

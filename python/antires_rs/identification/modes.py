@@ -39,10 +39,7 @@ BELOW, ABOVE = 3.0, 1.5
 
 @dataclass(frozen=True)
 class Curves:
-    """What is fitted: ``values`` (n_references, n_dofs, n_freq), channels at equal weight.
-
-    ``scale`` (n_dofs,) brings a row of values back to the channel's unit.
-    """
+    """``values`` (n_references, n_dofs, n_freq) at equal weight; ``scale`` (n_dofs,): to their units."""
 
     freq_hz: FloatArray
     values: ComplexArray

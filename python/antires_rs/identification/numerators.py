@@ -96,8 +96,7 @@ class NumeratorFit:
         signs[1::2] *= np.where(np.arange(n)[:, None] < np.arange(n), 1.0, -1.0)
         form = np.zeros((terms, n, terms, n))
         before = np.zeros_like(row)
-        # Row i holds <i, i>, <i, i + 1>, ... only: those before are known.
-        for i in range(terms):
+        for i in range(terms):  # Row i holds <i, i>, <i, i + 1>, ... only: those before are known.
             np.multiply(np.take(row[: terms - i], place, axis=1), signs[: terms - i], out=form[i:, :, i])
             last = i + row.shape[0]
             after = b[i + 2 : last] * row[2:]
@@ -158,10 +157,7 @@ class NumeratorFit:
         return np.asarray(out * self._signs[: order + 1, None])
 
     def zeros(self, own: FloatArray, near: ComplexArray | None = None) -> ComplexArray:
-        """Roots in rad/s of a numerator with coefficients ``own``, (order + 1,).
-
-        ``near`` are those of the order before, if they are known.
-        """
+        """Roots in rad/s of a numerator ``own``, (order + 1,); ``near``: of the order before, if known."""
         unit = 2 * np.pi * self.scale_hz
         own = np.ascontiguousarray(own)
         return roots(own, self.basis.b[: own.size], None if near is None else near / unit) * unit
@@ -463,8 +459,7 @@ class Influence:
         keep = gap > max(UNDETERMINED * values[-1], 1e-300)
         keep[0] = False
         self._inverse = np.where(keep, 1.0 / np.where(keep, gap, 1.0), 0.0)
-        # Neighbouring lines that stand for independent draws.
-        n_lines = lines.freq_hz.size
+        n_lines = lines.freq_hz.size  # Neighbouring lines that stand for independent draws.
         ends = np.linspace(0, n_lines, min(BLOCKS, n_lines) + 1).round().astype(int)
         blocks = [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
         if lines.segments is None:
@@ -563,8 +558,7 @@ def misfit_ahead(cuts: Sequence[tuple[Lines, Likeliest]]) -> float:
 def _off(lines: Lines, best: Likeliest) -> FloatArray:
     """Squared distance of held-back directions from a fit to the others, over that of noise, by line."""
     assert lines.segments is not None
-    step = -(-lines.freq_hz.size // LINES_AHEAD)
-    part = slice(None, None, step)
+    part = slice(None, None, -(-lines.freq_hz.size // LINES_AHEAD))
     x = lines.segments.at(part)
     halves = (np.ascontiguousarray(x[..., first::2]) for first in (0, 1))
     fitted, held = (half @ half.conj().transpose(0, 2, 1) / half.shape[2] for half in halves)

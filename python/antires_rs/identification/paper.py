@@ -123,8 +123,7 @@ class PowerFit(CommonDenominator):
         below = self.denominator_basis.at(points, d.size - 1) @ d
         slope = np.abs(below[2 * n : 3 * n] - below[3 * n :]) / (2 * step)
         residue = above[:n] / np.maximum(slope, 1e-300)
-        curve = above[n:] / np.maximum(np.abs(below[n : 2 * n]), 1e-300)
-        return share_of_curve(2.0 * residue, t.imag, curve)
+        return share_of_curve(2.0 * residue, t.imag, above[n:] / np.maximum(np.abs(below[n : 2 * n]), 1e-300))
 
 
 class PowerSweep(PoleSweep):

@@ -79,8 +79,7 @@ def roots(coefficients: FloatArray, b: FloatArray, near: ComplexArray | None = N
         found = _core.refined_roots(kept, b[: kept.size], near)
         if found is not None:
             return found
-    # s phi_k = b_{k+1} phi_{k+1} - b_k phi_{k-1}
-    return comrade_roots(coefficients, b, below=-b)
+    return comrade_roots(coefficients, b, below=-b)  # s phi_k = b_{k+1} phi_{k+1} - b_k phi_{k-1}
 
 
 def _order(coefficients: FloatArray) -> int:
@@ -240,11 +239,7 @@ class NestedFit(CommonDenominator):
         )
 
     def low_and_norm(self, order: int) -> FloatArray:
-        """Both solutions of one order without squaring the condition, (2, order + 1).
-
-        The sweep can live with the normal equations, whose floor is 1e-8; a single fit of exact data need
-        not.
-        """
+        """Both solutions of one order, (2, order + 1), by QR: normal equations would leave 1e-8."""
         n1 = order + 1
         root_w = np.sqrt(self.weights)[:, None]
         k = 1j ** np.arange(n1)

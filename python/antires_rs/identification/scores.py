@@ -126,8 +126,7 @@ def window_grades(share: FloatArray, spread: FloatArray, depth_db: FloatArray) -
 # A channel of which it says that it holds nothing has no value. Where more than one force acts in
 # much of the band, or none is told from noise beside a value, it is weak whatever the fits say.
 
-#: Fatal findings of channels, or of all of them, and what is said of their values.
-LOST = {
+LOST = {  #: Fatal findings of channels, or of all of them, and what is said of their values.
     channels.DEAD: "only noise in this channel",
     channels.CLIPPED: "channel clipped",
     channels.QUANTIZED: "channel of too few steps",
@@ -187,8 +186,7 @@ def dips(
         some = side[: below[0]] if below.size else side
         return float(some.max(initial=floor) - floor)
 
-    # No dip is deeper within its reach than without bounds.
-    lines = prominent_peaks(-level_db, least_db)
+    lines = prominent_peaks(-level_db, least_db)  # No dip is deeper within its reach than without bounds.
     if around_hz is not None:
         lines = lines[(freq_hz[lines] >= around_hz[0]) & (freq_hz[lines] <= around_hz[1])]
     step = float(np.median(np.diff(freq_hz)))

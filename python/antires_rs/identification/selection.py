@@ -109,8 +109,7 @@ def select(
     solutions: dict[int, FloatArray] = {}
     sweeps = [NumeratorSweep(best.fit, row, [k for k in rows if k != row], solutions) for row in rows]
     for sweep in sweeps:
-        # Ascending, so that the roots of each order start from those of the one before.
-        for order in orders:
+        for order in orders:  # Ascending, so that the roots of each order start from those of the one before.
             sweep.roots(order)
     numerators = best.fit.values(best.coefficients).T
     higher = [order for order in orders if order > best.order]

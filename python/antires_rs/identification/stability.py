@@ -93,10 +93,7 @@ class Look:
 
 
 def looks_of(averages: Averages, band_hz: tuple[float, float], *, one: bool = False) -> list[Look]:
-    """Resolutions of a record, or ``one`` for all of the band: segments of three lengths, windows of decays.
-
-    Without those that have too few lines in the band; none may be left.
-    """
+    """Looks at a record, or ``one`` for all of the band, but for those of too few lines; none may be left."""
     rng, rec = np.random.default_rng(SEED), averages.rec
     if averages.nperseg is None:
         return _of_impacts(rec, band_hz, averages.hum, rng, one=one)
@@ -187,11 +184,7 @@ def _of_decays(
     highest_hz: float,
     rng: np.random.Generator,
 ) -> Look | None:
-    """One window; None of too few lines.
-
-    It begins some periods of the highest frequency before the impacts, and half a period of the lowest, over
-    which the mean that is taken off reaches.
-    """
+    """One window from before the impacts on, as far as the mean taken off reaches; None of too few lines."""
     lead = int(np.ceil(LEAD * fs_hz / highest_hz + 0.5 * fs_hz / band_hz[0]))
     length = lead + int(length_s * fs_hz)
     decay = -np.log(WINDOWED_END) * fs_hz / length
@@ -227,8 +220,7 @@ def _of_decays(
     stacked = np.array(vectors)
     stacked[1:] = leave_out(stacked[1:])
     floor = own_noise / np.maximum(largest, 1e-300)[:, None]
-    weights = snr / (1.0 + snr / SNR_CAP)
-    return Look(freq[some], stacked, weights, floor, decay, own_range=True)
+    return Look(freq[some], stacked, snr / (1.0 + snr / SNR_CAP), floor, decay, own_range=True)
 
 
 # -- Candidates and their shares
@@ -599,8 +591,7 @@ def _best_scale(by_scale: list[list[FloatArray]], look: Look) -> _Seen | None:
 def noisy(vectors: ComplexArray, noise: FloatArray, rng: np.random.Generator) -> ComplexArray:
     """Views with noise of this power added, in every second one a channel left out."""
     drawn = rng.standard_normal((2, VIEWS, *vectors.shape))
-    views = vectors + (drawn[0] + 1j * drawn[1]) * np.sqrt(0.5 * noise)
-    return leave_out(views)
+    return leave_out(vectors + (drawn[0] + 1j * drawn[1]) * np.sqrt(0.5 * noise))
 
 
 def leave_out(views: ComplexArray) -> ComplexArray:

@@ -256,8 +256,7 @@ def stabilization(
 class Sweep(Protocol):
     """What the selection asks of the fits of rising order."""
 
-    #: Whether there is a second, finer solution.
-    refines: bool
+    refines: bool  #: Whether there is a second, finer solution.
 
     def roots(self, order: int, norm: bool = False) -> ComplexArray:
         """All roots in rad/s; ``norm`` for those of the second, finer solution if there is one."""
@@ -341,8 +340,7 @@ class ZeroSweep(PoleSweep):
     def _share(self, order: int, s: ComplexArray) -> FloatArray:
         """Of each root's own peak in the reciprocal of the fitted curve."""
         nested, d = self.nested, self._solution(order, False)
-        own = nested.numerators(d)[self.output]
-        below = (nested.numerator_basis, own)
+        below = (nested.numerator_basis, nested.numerators(d)[self.output])
         return dominance((nested.denominator_basis, d[None, :]), below, s / (2 * np.pi * nested.scale_hz))
 
 

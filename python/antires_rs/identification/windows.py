@@ -137,8 +137,7 @@ class LocalFit:
 
     def zeros(self, order: int) -> list[ComplexArray]:
         """Roots of every row in rad/s."""
-        coefficients = np.asarray(self._own(order) @ self._mix.T)
-        return [self.best.fit.zeros(own) for own in coefficients.T]
+        return [self.best.fit.zeros(own) for own in np.asarray(self._own(order) @ self._mix.T).T]
 
     def variances(self, row: int, s: ComplexArray) -> tuple[FloatArray, FloatArray]:
         """Of zeros of the likeliest order in Hz^2: by noise, and by the scatter between tests (0 for one)."""

@@ -372,8 +372,7 @@ def _variables(file: Path, limits: Limits, given: Reading) -> Found:
     """The numeric variables, and our JSON text or the texts of the file."""
     with open(file, "rb") as opened:
         head = opened.read(1024)
-    # Version 7.3 is HDF5 after a block of 512 bytes.
-    if b"\x89HDF\r\n\x1a\n" in (head[:8], head[512:520]):
+    if b"\x89HDF\r\n\x1a\n" in (head[:8], head[512:520]):  # Version 7.3 is HDF5 after a block of 512 bytes.
         found = datasets_of(file, "read_mat of a 7.3 file", limits, given)
         arrays = {name.replace("/", "."): array for name, array in found.arrays.items()}
         return Found(arrays, {name.replace("/", "."): text for name, text in found.texts.items()})

@@ -192,8 +192,7 @@ def read_full(file: Path) -> dict[str, Labelled]:
     rows, columns = ([arrays[f"{name}.{axis}"] for name in "KM"] for axis in ("row", "col"))
     if any(each.size and not 0 <= each.min() <= each.max() < len(points) for each in (*rows, *columns)):
         raise ValueError(f"entries beyond its {len(points)} dofs")
-    # Dofs with constraints are there, without an entry.
-    kept = np.unique(np.concatenate(rows))
+    kept = np.unique(np.concatenate(rows))  # Dofs with constraints are there, without an entry.
     # The directions of ANSYS count from 0: UX, UY, UZ, ROTX, ROTY, ROTZ.
     named: tuple[Point, ...] = tuple((int(node), int(code) + 1) for node, code in points[kept])
     made = {}
@@ -249,8 +248,7 @@ def _numbers(lines: list[str], form: str, count: int) -> NDArray[np.float64]:
     if stated is None:
         raise ValueError(f"form {form.strip()!r}")
     parts = [part for line in lines for part in line.split()]
-    # Numbers may touch; those that do not are not always as wide as it is stated.
-    if len(parts) != count:
+    if len(parts) != count:  # Numbers may touch; those that do not are not always as wide as it is stated.
         width, most = int(stated[2]), int(stated[1] or 1)
         fields = (
             line[i : i + width] for line in lines for i in range(0, min(len(line), width * most), width)

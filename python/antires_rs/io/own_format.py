@@ -205,8 +205,7 @@ def read_archive(
     import zipfile
 
     try:
-        # Opened here: of a damaged archive numpy would leave the file open.
-        with open(file, "rb") as opened:
+        with open(file, "rb") as opened:  # Opened here: of a damaged archive numpy would leave the file open.
             alone = opened.read(len(_NPY)) == _NPY
             if not alone and not zipfile.is_zipfile(opened):
                 unsuitable(file, "which is no archive", wanted)

@@ -337,8 +337,7 @@ _Row = tuple[str, NDArray[Any], str]  # name, values, and the name of the array
 
 
 def _rows(name: str, values: Any) -> list[_Row]:
-    several = len(values) > 1
-    return [(f"{name}[{i}]" if several else name, row, name) for i, row in enumerate(values)]
+    return [(f"{name}[{i}]" if len(values) > 1 else name, row, name) for i, row in enumerate(values)]
 
 
 def _listed(arrays: Mapping[str, Any]) -> str:

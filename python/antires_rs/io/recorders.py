@@ -161,8 +161,7 @@ def read_wav(
     """
     file, given = opened(read_wav, path, options)
     _check_chunks(file)
-    limits = Limits(time_limit_s, memory_limit_gb)
-    entries, _ = channels_of_child(channels_of_wav, file, _WANTED_WAV, limits)
+    entries, _ = channels_of_child(channels_of_wav, file, _WANTED_WAV, Limits(time_limit_s, memory_limit_gb))
     for entry, scale in zip(entries, _scales(full_scale, len(entries)), strict=True):
         entry |= {"values": entry["values"] * scale, "unit": "N" if entry["name"] == given.force else ""}
     return stated_recording(file, [Channel(**entry) for entry in entries], given)
@@ -180,8 +179,7 @@ def channels_of_wav(path: str, request: dict[str, Any]) -> Answer:
     elif values.dtype.kind == "i":
         values = values / 2.0 ** (8 * values.dtype.itemsize - 1)
     columns = map(np.float64, values.T)
-    names = (f"channel {i + 1}" for i in range(values.shape[1]))
-    pairs = zip(names, columns, strict=True)
+    pairs = zip((f"channel {i + 1}" for i in range(values.shape[1])), columns, strict=True)
     return answer([{"name": name, "values": column, "step_s": 1.0 / rate} for name, column in pairs])
 
 

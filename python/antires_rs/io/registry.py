@@ -162,8 +162,7 @@ def _paths(files: Any, pattern: str, format: str | None) -> list[Path]:
         if not found:
             why = f"none of which fits {pattern!r} and has a known ending"
             got = f"{str(folder)!r}, a folder with {len(there)} files, {why}"
-            remedy = "Name the file, or choose by pattern= and format=."
-            reject("files", got, "files of one FRF each", remedy)
+            reject("files", got, "files of one FRF each", "Name the file, or choose by pattern= and format=.")
         return found
     if shape_of(files) in ((), (0,)):
         reject("files", files, "a folder or a sequence of files", "Name the folder, or each file.")

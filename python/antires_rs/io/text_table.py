@@ -130,8 +130,7 @@ def _is_level(text: str) -> bool:
 
 _HEAD = 200  # rows in which the first instant is looked for
 
-#: An instant, as ISO 8601 has it, or with slashes.
-_INSTANT = re.compile(
+_INSTANT = re.compile(  #: An instant, as ISO 8601 has it, or with slashes.
     r"(\d{4})[-/](\d\d)[-/](\d\d)(?:[T ](\d\d:\d\d)(?::(\d\d)(?:[.,](\d{1,9}))?)?)?(Z|[+-]\d\d:?\d\d)?\Z"
 )
 
@@ -284,8 +283,7 @@ def _rounding(column: list[str], values: NDArray[Any], point: str) -> float:
         match = _MANTISSA.match(text)  # of the real part of a complex one
         mantissa, exponent = match.groups() if match else ("", None)
         places.append(len(mantissa.partition(point)[2]) - int(exponent or 0))
-    largest = float(np.abs(values).max()) or 1.0
-    return max(0.5 * 10.0 ** -max(places) / largest, 1e-15)
+    return max(0.5 * 10.0 ** -max(places) / (float(np.abs(values).max()) or 1.0), 1e-15)
 
 
 def _header(file: Path, lines: list[str], table: Table) -> None:
@@ -490,8 +488,7 @@ def _called(columns: list[Channel], named: bool) -> list[Channel]:
     """The columns by their names, or their numbers; one that is called force is the force of a record."""
     names = [c.name if named and c.name else i for i, c in enumerate(columns)]
     roles = ["force" if c.name.lower() == "force" else "" for c in columns]
-    rows = zip(columns, names, roles, strict=True)
-    return [replace(c, name=name, role=role) for c, name, role in rows]
+    return [replace(c, name=name, role=role) for c, name, role in zip(columns, names, roles, strict=True)]
 
 
 def _into_si(file: Path, lead: Channel, instants: Any = None) -> float:

@@ -137,8 +137,7 @@ def _to_the_left(rows: Iterable[bytes], width: int) -> bool:
 
 def _binary(data: bytes, made: Dataset, numbers: int, size: int) -> Dataset:
     """The end is where the number of points says; the number of bytes beside it is often wrong."""
-    # Some programs write single precision as double.
-    for each in dict.fromkeys((size, 8)):
+    for each in dict.fromkeys((size, 8)):  # Some programs write single precision as double.
         at = made.at + made.points * numbers * each
         end = re.compile(rb"[\r\n]{0,2} {4}-1[ ]*(?=[\r\n]|\Z)").match(data, at) if at >= made.at else None
         if end:
@@ -241,8 +240,7 @@ def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
         elif isinstance(dof, int) and 0 <= dof < 999_999_999:
             points[dof] = dof + 1, 0
     free = max((node for node, _ in points.values()), default=0) + 1
-    unnamed = [dof for dof in dofs if dof not in points]
-    points |= {dof: (free + i, 0) for i, dof in enumerate(unnamed)}
+    points |= {dof: (free + i, 0) for i, dof in enumerate([dof for dof in dofs if dof not in points])}
     twice = next((point for point, n in Counter(points.values()).items() if n > 1), None)
     if twice is not None:
         got = f"{label_of(twice)} for two dofs"
@@ -273,8 +271,7 @@ class Function:
     reference: Point
     x: NDArray[np.float64]
     values: NDArray[Any]
-    #: Of the ordinate and its denominator.
-    unit: str
+    unit: str  #: Of the ordinate and its denominator.
     reference_unit: str = ""
     role: str = ""
     even: bool = False
@@ -361,8 +358,7 @@ def _function(
     if not (np.isfinite(values).all() and np.isfinite(x).all()):
         unsuitable(file, f"whose dataset {i} has values that are not finite", WANTED)
     own = _own(lines, first, step)
-    # The format has s and Hz; some programs label what they wrote in ms.
-    into_si = abscissa_factor(axis)
+    into_si = abscissa_factor(axis)  # The format has s and Hz; some programs label what they wrote in ms.
     if even and not into_si * step > 0.0:
         unsuitable(file, f"whose dataset {i} has a step of {into_si * step:g}", "a positive step")
     x, step = into_si * x, into_si * step
@@ -737,8 +733,7 @@ def _recording(file: Path, functions: list[Function], named: Any, force: Any, un
         return label
 
     made = recording_of(file, channels, rates.pop(), Reading(dofs=dof, force=force, unit=unit))
-    turned = made.responses * [[signs[d]] for d in made.dofs]
-    return Recording(turned, made.fs_hz, made.dofs, made.force)
+    return Recording(made.responses * [[signs[d]] for d in made.dofs], made.fs_hz, made.dofs, made.force)
 
 
 def _rate(file: Path, f: Function) -> float:
@@ -909,8 +904,7 @@ def _block(f: Function, place: str, binary: bool) -> bytes:
         f"{6 if is_complex else 4:10d}{values.size:10d}{int(f.even):10d}{start:13.5e}{step:13.5e}{0.0:13.5e}",
         *(f"{data:10d}{0:5d}{0:5d}{0:5d} {'NONE':<20} {unit or 'NONE':<20}" for data, unit in axes),
     ]
-    head = "".join(f"{line:<80}\n" for line in lines)
-    return head.encode("ascii") + body + f"{-1:6d}\n".encode()
+    return "".join(f"{line:<80}\n" for line in lines).encode("ascii") + body + f"{-1:6d}\n".encode()
 
 
 def _text(numbers: NDArray[Any], uneven: bool, is_complex: bool) -> bytes:

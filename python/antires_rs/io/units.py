@@ -27,8 +27,7 @@ _SI = {
     "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "in": INCH, "ft": 12.0 * INCH},
     "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": POUND_FORCE, "kgf": STANDARD_GRAVITY},
 }
-#: Units of time and frequency, in small letters.
-_ABSCISSA = {
+_ABSCISSA = {  #: Units of time and frequency, in small letters.
     **dict.fromkeys(("s", "sec", "secs", "second", "seconds", "hz", "hertz", "1/s"), 1.0),
     **dict.fromkeys(("ms", "msec", "milliseconds"), 1e-3),
     **dict.fromkeys(("us", "usec", "microseconds"), 1e-6),

@@ -60,8 +60,7 @@ def dropped(dof: Any, table: ResponseTable, freq_hz: Any, reason: Any) -> tuple[
         gap = np.abs(table.freq_hz - asked)
         if not gap.size or gap.min() > within:
             got = f"{asked:g} Hz at dof {dof!r}, which has {there}"
-            wanted = f"a frequency within {within:.3g} Hz of a value"
-            reject("freq_hz", got, wanted, "Name one of them.")
+            reject("freq_hz", got, f"a frequency within {within:.3g} Hz of a value", "Name one of them.")
         at = int(np.argmin(gap))
         if at in chosen:
             got = f"{table.freq_hz[at]:.3f} Hz of dof {dof!r} meant twice"

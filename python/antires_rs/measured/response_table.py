@@ -229,8 +229,7 @@ def tables_of(
                 got, wanted = f"an array of shape {array.shape}", f"{n} scores, one for each frequency"
                 remedy = "Give a score for each frequency; NaN where it is not known."
                 reject(part("scores", dof).item(name), got, wanted, remedy)
-    each = frequencies.items()
-    return {d: ResponseTable(own, damping.get(d), std.get(d), known.get(d)) for d, own in each}
+    return {d: ResponseTable(own, damping.get(d), std.get(d), known.get(d)) for d, own in frequencies.items()}
 
 
 def frequencies_hz(name: Name, value: Any, *, empty: bool = True) -> FloatArray:

@@ -128,8 +128,7 @@ class Tracks(ReadOnly, Viewed):
 
 def _first(freq_hz: FloatArray) -> FloatArray:
     """What each track has in the first test that has it."""
-    at = np.argmax(~np.isnan(freq_hz), axis=0)
-    return np.asarray(freq_hz[at, np.arange(freq_hz.shape[1])])
+    return np.asarray(freq_hz[np.argmax(~np.isnan(freq_hz), axis=0), np.arange(freq_hz.shape[1])])
 
 
 NEIGHBOUR = 0.02  # two values nearer than this may become one; farther apart, one of them was lost
@@ -304,8 +303,7 @@ def _assigned(
         left = np.array(sorted(set(range(len(table))) - set(pairs.values())), dtype=int)
         where = np.array([tracks[k].freq_hz for k in some])
         scatter = np.broadcast_to(variance[left], (len(some), left.size))
-        found = paired(where, table.freq_hz[left], shift, scatter)
-        pairs |= {some[i]: int(left[row]) for i, row in found}
+        pairs |= {some[i]: int(left[row]) for i, row in paired(where, table.freq_hz[left], shift, scatter)}
     return pairs
 
 

@@ -155,8 +155,7 @@ def eliminate_constraints(
     (array([0, 1]), [[1.0, 0.0], [0.0, 1.0], [0.0, 1.0]])
     """
     n = as_square("stiffness", stiffness)[0]
-    gone = solved(equations_of(constraints, n), dofs_to_keep(keep, n))
-    dependent = Dependent.of(gone)
+    dependent = Dependent.of(solved(equations_of(constraints, n), dofs_to_keep(keep, n)))
     dofs = np.setdiff1d(np.arange(n), dependent.dofs)
     t = dependent.transformation(n)[:, dofs].tocsc()
 

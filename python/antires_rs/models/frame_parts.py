@@ -174,8 +174,7 @@ def text(name: str, i: int | None, value: Any) -> str:
     """The name of a direction."""
     if not isinstance(value, str):
         remedy = "Translations are u, v, w; rotations theta in a plane, else rx, ry, rz."
-        argument = name if i is None else part(name, i)
-        reject(argument, value, "a direction by its name, such as 'v'", remedy)
+        reject(name if i is None else part(name, i), value, "a direction by its name, such as 'v'", remedy)
     return value
 
 

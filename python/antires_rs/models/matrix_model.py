@@ -94,8 +94,7 @@ class MatrixModel(StructuralModel):
         m = as_masses(as_square("mass", mass, n)[1], n, partial(_label, names))
         of_k = tuple(as_term(part("stiffness_terms", i), t, n) for i, t in enumerate(stiffness_terms))
         of_m = tuple(as_term(part("mass_terms", i), t, n) for i, t in enumerate(mass_terms))
-        equations = equations_by_number(names, n, constraints, keep)
-        recipe = MatrixRecipe(n, k, m, of_k, of_m, names, *equations)
+        recipe = MatrixRecipe(n, k, m, of_k, of_m, names, *equations_by_number(names, n, constraints, keep))
         independent = recipe.independent()
         self._build(ModelDescription(recipe), independent.core())
         self._fill(_independent=independent)
@@ -141,12 +140,10 @@ class MatrixModel(StructuralModel):
         return core, here.rows[moving].tolist()
 
     def _together(self, responses: Sequence[int], force: int) -> list[list[int]]:
-        # All dofs of one equation cannot be rows of one core.
-        dependent = self._independent.dependent
+        dependent = self._independent.dependent  # All dofs of one equation cannot be rows of one core.
         masters = dependent.masters(force)
         own = [i for i, dof in enumerate(responses) if not dependent.has(dof) and dof not in masters]
-        alone = [[i] for i in sorted({*range(len(responses))} - {*own})]
-        return ([own] if own else []) + alone
+        return ([own] if own else []) + [[i] for i in sorted({*range(len(responses))} - {*own})]
 
     def _with_rows(self, dofs: frozenset[int]) -> tuple[Independent, CoreModel]:
         """The same model with other dofs taken out than these; the last one is kept."""

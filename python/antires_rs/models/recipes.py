@@ -98,8 +98,7 @@ class MatrixRecipe(_Recipe):
                     wanted = "terms of the structure: an equation has no stiffness that could be scaled"
                     reject(part(name, i), got, wanted, "Leave the rows of the equations out of the term.")
         equations: dict[int, Equation] = {int(row): {} for row in np.flatnonzero(multiplier)}
-        of_rows = k.those(multiplier[k.rows])
-        for row, column, value in zip(*(each.tolist() for each in of_rows), strict=True):
+        for row, column, value in zip(*(each.tolist() for each in k.those(multiplier[k.rows])), strict=True):
             equations[row][column] = value
         return replace(self, stiffness=k.those(~(multiplier[k.rows] | multiplier[k.columns]))), equations
 

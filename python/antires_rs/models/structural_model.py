@@ -580,8 +580,7 @@ def simulate(
     spectrum = np.zeros(freq_hz.size, dtype=np.complex128)
     spectrum[inside] = random.standard_normal((int(inside.sum()), 2)) @ np.array([1.0, 1.0j])
     force = np.fft.irfft(spectrum, total)
-    # A unit-rms force: absolute levels mean nothing to a ratio of responses.
-    spectrum /= force.std()
+    spectrum /= force.std()  # A unit-rms force: absolute levels mean nothing to a ratio of responses.
     force /= force.std()
     window = slice(lead, lead + samples)
     records = np.empty((len(responses), samples))

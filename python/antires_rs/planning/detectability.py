@@ -119,8 +119,7 @@ def detectability(
     judging = (checked_prior(prior, options), options)
     layout = Layout(model, tuple(dofs), force, band, sees)
     test, slopes = _virtual_test(layout, chosen, errors, model_error, threads)
-    linear = smallest_found(slopes, judging[0])
-    grid = [_around(loss) if given is None else given for loss in linear]
+    grid = [_around(loss) if given is None else given for loss in smallest_found(slopes, judging[0])]
     names = {e: model.element_label(e) for e in chosen}
     rows: dict[int, tuple[Any, ...]] = {}
     with waiting("predicting" if method == "predicted" else "simulating tests", progress):

@@ -102,8 +102,7 @@ class ExpectedErrors:
             # The inverse of parts parts', by its triangle: near roots make it nearly singular.
             size = np.linalg.norm(parts, axis=1)
             triangle = np.linalg.qr((parts / size[:, None]).T, mode="r")
-            inverse = np.linalg.pinv(triangle)
-            std = self.noise * np.linalg.norm(inverse, axis=1)[: own.size] / size[: own.size]
+            std = self.noise * np.linalg.norm(np.linalg.pinv(triangle), axis=1)[: own.size] / size[: own.size]
             found.append(np.maximum(std, LEAST_STD))
         return found
 
@@ -301,8 +300,7 @@ def greedy(information: Information, n: int, criterion: str) -> Placed:
     count = information.own.shape[0]
     directions = (False, True) if count <= _MOST_BACKWARDS else (False,)
     ends = [_one_by_one(information, n, criterion, backwards) for backwards in directions]
-    placed = [_exchanged(information, criterion, end) for end in ends]
-    return max(placed, key=lambda one: one.worth)
+    return max([_exchanged(information, criterion, end) for end in ends], key=lambda one: one.worth)
 
 
 def exhaustive(information: Information, n: int, criterion: str) -> Placed:

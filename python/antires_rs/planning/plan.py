@@ -46,8 +46,7 @@ def dofs_of(name: str, model: StructuralModel, dofs: Any, default: list[int] | N
     """Dofs of the model, each once; by default all but rotations, where names tell them."""
     if dofs is None:
         return model._sensor_dofs if default is None else default
-    listed = [dofs] if shape_of(dofs) == () else list(dofs)
-    chosen = [model._dof(name, dof) for dof in listed]
+    chosen = [model._dof(name, dof) for dof in ([dofs] if shape_of(dofs) == () else list(dofs))]
     if not chosen or len(set(chosen)) < len(chosen):
         reject(name, dofs, "dofs of the model, each once", "Look them up by model.dof_label.")
     return chosen
@@ -57,10 +56,8 @@ def band_of(model: StructuralModel, band_hz: Any) -> tuple[float, float]:
     """The band of the identification; by default up to above the twelfth elastic resonance."""
     if band_hz is not None:
         return frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=np.inf)
-    count = min(model.n_dof, _RESONANCES + 6)
-    freq = model.modes(count).freq_hz
-    elastic = freq[freq > _RIGID * freq[-1]]
-    return 0.0, float(_HEADROOM * elastic[:_RESONANCES][-1])
+    freq = model.modes(min(model.n_dof, _RESONANCES + 6)).freq_hz
+    return 0.0, float(_HEADROOM * freq[freq > _RIGID * freq[-1]][:_RESONANCES][-1])
 
 
 # -- A planned test: its sensors and force, and what it would show

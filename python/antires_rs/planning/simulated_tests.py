@@ -140,8 +140,7 @@ class Judge:
         self.element = np.repeat(np.arange(n), GRID.size)
         self.beta = np.concatenate([[0.0], np.tile(GRID, n)])
         rows[np.arange(1, rows.shape[0]), self.element] = self.beta[1:]
-        found = roots_at(core, rows, slopes=True, threads=self.threads)
-        self._tabulate(error, found)
+        self._tabulate(error, roots_at(core, rows, slopes=True, threads=self.threads))
         states = (self.baseline, self.baseline)
         likelihood = Likelihood(core, n, error, *states, self.options.std_common, self.threads)
         slopes = intact_slopes(likelihood, len(self.test.elements))

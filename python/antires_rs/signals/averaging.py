@@ -181,8 +181,7 @@ def find_events(rec: Recording, low_hz: float) -> tuple[Event, ...]:
         stop = hits[i + 1] * block if i + 1 < len(hits) else rec.n_samples
         # Anti-alias filters ring before the impact: start a little earlier, but not inside the last event's
         # tail.
-        early = max(4 * block, (stop - b * block) // 50)
-        start = max(0, b * block - early)
+        start = max(0, b * block - max(4 * block, (stop - b * block) // 50))
         events.append((start, b * block, stop))
     stops = [start for start, _, _ in events[1:]] + [rec.n_samples]
     return tuple(Event(start, hit, stop) for (start, hit, _), stop in zip(events, stops, strict=True))
@@ -211,8 +210,7 @@ def until_noise(x: FloatArray, event: Event, level: FloatArray, fs_hz: float) ->
     """Sample at which the energy of half seconds has fallen to ``CUT_AT`` times the noise."""
     energy = np.mean(x[:, event.hit : event.stop] ** 2 / level[:, None], axis=0)
     block = max(8, min(int(0.5 * fs_hz), energy.size // 16))
-    means = energy[: energy.size // block * block].reshape(-1, block).mean(axis=1)
-    low = np.flatnonzero(means < CUT_AT)
+    low = np.flatnonzero(energy[: energy.size // block * block].reshape(-1, block).mean(axis=1) < CUT_AT)
     return min(event.stop, event.hit + (int(low[0]) + 1) * block) if low.size else event.stop
 
 
@@ -229,10 +227,7 @@ CUT_AT = 10.0  # a decay ends where its energy has fallen to so many times the n
 
 @_once
 def _decays(rec: Recording, low_hz: float) -> bool | None:
-    """Whether the one event of a record is a decay; earthquakes and sines that stop rise from rest, too.
-
-    None where the record has no impact in it.
-    """
+    """Whether the one event is a decay; sines that stop rise from rest, too. None without an impact."""
     try:
         events = find_events(rec, low_hz)
     except UnsuitableDataError:
@@ -385,8 +380,7 @@ class Autocorrelation:
     def power(self, n: int, band_hz: tuple[float, float]) -> FloatArray:
         """Power of all channels at equal weight in the band, as Hann segments of ``n`` samples resolve it."""
         lags = self._lags[:n] * hann_autocorrelation(n)[: self._lags.size]
-        # Negative lags, folded onto the length of a segment.
-        folded = np.zeros(n)
+        folded = np.zeros(n)  # Negative lags, folded onto the length of a segment.
         folded[: lags.size] = lags
         folded[n - lags.size + 1 :] += lags[:0:-1]
         freq = np.fft.rfftfreq(n, 1.0 / self.rec.fs_hz)
@@ -401,8 +395,7 @@ def fast_length(least: int) -> int:
     while fives < best:
         odd = fives
         while odd < best:
-            twos = max(-(-least // odd) - 1, 0).bit_length()
-            best = min(best, odd << twos)
+            best = min(best, odd << max(-(-least // odd) - 1, 0).bit_length())
             odd *= 3
         fives *= 5
     return best
@@ -491,8 +484,7 @@ def beside(spectra: CrossSpectra, hum: Hum | None) -> CrossSpectra:
     """The lines that no hum reaches."""
     if hum is None:
         return spectra
-    spacing = float(np.median(np.diff(spectra.freq_hz)))
-    return spectra.part(hum.outside(spectra.freq_hz, 1.0 / spacing))
+    return spectra.part(hum.outside(spectra.freq_hz, 1.0 / float(np.median(np.diff(spectra.freq_hz)))))
 
 
 METHODS = ("auto", "welch", "transient")

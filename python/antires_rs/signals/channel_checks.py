@@ -219,8 +219,7 @@ ALIKE = 1e-3
 
 def alike(seen: Evidence) -> CheckResults:
     """Channels that all do the same in the whole band."""
-    size = np.sqrt(np.mean(np.abs(seen.vectors) ** 2, axis=0))
-    unit = seen.vectors / np.maximum(size, 1e-300)
+    unit = seen.vectors / np.maximum(np.sqrt(np.mean(np.abs(seen.vectors) ** 2, axis=0)), 1e-300)
     unit = unit / np.maximum(np.linalg.norm(unit, axis=1, keepdims=True), 1e-300)
     left = 1.0 - float(np.linalg.eigvalsh(unit.T @ unit.conj() / len(unit))[-1])
     if len(seen.dofs) < 2 or left > ALIKE:
@@ -243,8 +242,7 @@ def unrelated(seen: Evidence) -> CheckResults:
     if seen.n_averages < LEAST_AVERAGES:
         count = f"{seen.n_averages:.1f} independent averages"
         return [NotTested(DEAD, f"{count} explain noise by noise; constant channels are found")]
-    # Noise explains 1/n of noise.
-    limit = max(EXPLAINED, 2.0 / seen.n_averages)
+    limit = max(EXPLAINED, 2.0 / seen.n_averages)  # Noise explains 1/n of noise.
     lost = [p for p, share in enumerate(seen.explained) if share < limit]
     if len(lost) == 2 and len(seen.dofs) == 2:
         text = (

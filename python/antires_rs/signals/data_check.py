@@ -86,10 +86,7 @@ def of_recording(
     options: Averaging,
     averages: Averages | None = None,
 ) -> tuple[CheckResults, Evidence | None]:
-    """What the tests say, and the evidence of those by line, if there is any.
-
-    ``averages`` of the record, where it was averaged already.
-    """
+    """What the tests say of a record, averaged before or not, and their evidence by line, if there is any."""
     hits = averages.nperseg is None if averages is not None else holds_hits(rec, options, band)
     said, live = _in_parts(rec, hits)
     if live is None:

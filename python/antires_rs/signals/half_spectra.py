@@ -62,8 +62,7 @@ def half_spectra(rec: Recording, *, nperseg: int | None) -> HalfSpectra:
     correlation *= (np.exp(-decay * lag_s) / taper_share[:n_lags])[:, None, None]
     values = np.fft.rfft(correlation, axis=0).transpose(1, 2, 0)
     freq = np.asarray(np.fft.rfftfreq(n_lags, 1.0 / rec.fs_hz), dtype=np.float64)
-    # Correlations of windowed impacts decay by the window's own rate in the lag.
-    return HalfSpectra(
+    return HalfSpectra(  # Correlations of windowed impacts decay by the window's own rate in the lag.
         freq, np.ascontiguousarray(values), tuple(references), float(decay) + spectra.added_decay_per_s
     )
 

@@ -486,10 +486,7 @@ DIP, DIP_WIDTH, DIP_GAP, DIP_SMOOTHING = 2.0, 0.05, 0.2, 4
 
 
 def force_location(seen: Evidence, excitation: Any, frfs: ComplexArray | None = None) -> CheckResults:
-    """Is the stated dof the driving point, and if not, which recorded one is?
-
-    ``frfs``, (n, n_freq), where the force was measured: residues are then seen, not inferred.
-    """
+    """Is the stated dof driven, and if not, which is? ``frfs`` (n, n_freq) where the force was measured."""
     if excitation is None:
         return [NotTested(FORCE_LOCATION, "no excitation was stated")]
     if excitation not in seen.dofs:
@@ -644,10 +641,7 @@ def followed(seen: Evidence, peaks: Any) -> list[list[tuple[int, int, bool]]]:
 
 
 def _track(seen: Evidence, gap: slice) -> FloatArray | None:
-    """Sign of every component at the lines from one resonance to the next, 0 where not sure, (n_lines, n).
-
-    None if the direction cannot be followed.
-    """
+    """Sign of each component between two resonances, (n_lines, n), 0 where not sure; None if not followed."""
     # An averaged eigenvector is good to the noise over the root of the averages.
     heard = np.abs(seen.vectors[gap]) * np.sqrt(seen.n_averages)
     level = np.median(heard, axis=0)

@@ -119,8 +119,7 @@ class Recording(ReadOnly, Viewed):
 class PooledRecording(Recording):
     """Records of one test end to end, with their limits; every average is taken inside ``parts``."""
 
-    #: In the order given, all with the dofs of the first in its order.
-    parts: tuple[Recording, ...]
+    parts: tuple[Recording, ...]  #: In the order given, all with the dofs of the first in its order.
 
     def __init__(self, parts: Sequence[Recording]) -> None:
         forces = [part.force for part in parts if part.force is not None]

@@ -26,8 +26,7 @@ FREEDOM = 20.0  # degrees of freedom that the scatter of a mean should have, a l
 class AveragedResponse(FrequencyResponse):
     """The average of several curves of one test, which it holds too."""
 
-    #: (R, n, n_freq) in the order given, rows as those of ``values``.
-    runs: ComplexArray
+    runs: ComplexArray  #: (R, n, n_freq) in the order given, rows as those of ``values``.
 
     def __init__(self, runs: ComplexArray, *parts: Any, **named: Any) -> None:
         super().__init__(*parts, **named)
@@ -57,8 +56,7 @@ def averaged(responses: Sequence[FrequencyResponse], name: str = "source") -> Fr
     first = responses[0]
     if len(responses) == 1:
         return first
-    rows = [_as_first(first, one, Argument(name).item(i)) for i, one in enumerate(responses)]
-    values = np.stack(rows)
+    values = np.stack([_as_first(first, one, Argument(name).item(i)) for i, one in enumerate(responses)])
     if first.reference is None:
         mean = np.asarray(values.mean(axis=0), dtype=np.complex128)
     else:

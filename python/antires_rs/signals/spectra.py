@@ -143,8 +143,7 @@ def noise_power(matrix: ComplexArray, n_averages: float) -> FloatArray:
         unit = unit / np.linalg.norm(unit, axis=1, keepdims=True)
         along = np.einsum("fi,fji,fj->f", unit, scaled, unit.conj(), optimize=True).real
         left = auto - along[:, None] * np.abs(unit) ** 2
-    # The median, because near a resonance leakage looks like noise.
-    level = np.median(left, axis=0)
+    level = np.median(left, axis=0)  # The median, because near a resonance leakage looks like noise.
     return np.asarray(np.maximum(level, RIDGE * np.maximum(auto.mean(axis=0), 1e-300)) * root**2)
 
 
@@ -339,8 +338,7 @@ def cross_spectra(
     overlap = n_seg // 2 if noverlap is None else integer("noverlap", noverlap, low=0, high=n_seg - 1)
     taper = window_values(window, n_seg)
     freq = np.asarray(np.fft.rfftfreq(n_seg, 1.0 / rec.fs_hz), dtype=np.float64)
-    # One-sided: all lines but zero and Nyquist stand for two.
-    density = np.full(freq.size, 2.0)
+    density = np.full(freq.size, 2.0)  # One-sided: all lines but zero and Nyquist stand for two.
     density[[0] if n_seg % 2 else [0, -1]] = 1.0
     lines = slice(0, freq.size) if band_hz is None else lines_in(freq, band_hz)
     freq = freq[lines]
@@ -441,10 +439,7 @@ def direction_noise(directions: ComplexArray) -> FloatArray:
 
 
 def noise_shares(noise: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """A noise power (n_rows, n_freq) as the product of one of the row and one of the line.
-
-    Rows by medians, since a few lines of a sharp resonance look noisy in all; lines by means.
-    """
+    """A noise power (n_rows, n_freq) as row times line: medians, for sharp peaks look noisy in all; means."""
     row = np.median(noise, axis=1)
     row = np.maximum(row, LEAST_SHARE * float(np.median(row)))
     return row, np.mean(noise / row[:, None], axis=0)
@@ -525,8 +520,7 @@ def std_of_coherence(values: ComplexArray, coherence: FloatArray, n_averages: fl
 
 def std_of_rank_one(matrix: ComplexArray, j: int, n_averages: float) -> FloatArray:
     """Standard deviation of real and imaginary part of the rank-one T_pj, (n_channels, n_freq)."""
-    noise = noise_power(matrix, n_averages)
-    root = np.sqrt(noise)
+    root = np.sqrt(noise_power(matrix, n_averages))
     # conj(A) B is the transpose of the covariance whose eigenvectors are wanted; eigenvalues ascend.
     values, vectors = np.linalg.eigh((matrix / (root[:, None] * root)).transpose(0, 2, 1))
     first = np.maximum(values[:, -1:], 1e-300)

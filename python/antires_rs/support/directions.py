@@ -10,8 +10,7 @@ from typing import Any
 from ..exceptions import part, reject
 from .checks import integer
 
-#: Direction codes of universal files: translations, then rotations; 0 is a scalar.
-DIRECTIONS = {0: "S"} | {
+DIRECTIONS = {0: "S"} | {  #: Direction codes of universal files: translations, then rotations; 0 is a scalar.
     sign * code: f"{'+' if sign > 0 else '-'}{axis}"
     for code, axis in enumerate(("X", "Y", "Z", "RX", "RY", "RZ"), 1)
     for sign in (1, -1)

@@ -21,8 +21,7 @@ _UNHEARD: ContextVar[bool] = ContextVar("_UNHEARD", default=False)
 def some(names: Iterable[Any], most: int = 4) -> str:
     """The first of some names, and how many more there are."""
     every = [str(name) for name in names]
-    more = f" and {len(every) - most} more" if len(every) > most else ""
-    return ", ".join(every[:most]) + more
+    return ", ".join(every[:most]) + (f" and {len(every) - most} more" if len(every) > most else "")
 
 
 def warn(about: str | tuple[str, ...], text: str) -> None:

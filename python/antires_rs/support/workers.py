@@ -311,10 +311,7 @@ def _sigint_blocked() -> Iterator[None]:
 
 
 class Dask:
-    """A Dask client, which may lose its scheduler for good.
-
-    What Dask gives up, cancels, or has forgotten as its scheduler begins anew, is submitted again.
-    """
+    """A Dask client, which may lose its scheduler for good; what it gives up is submitted again."""
 
     a_chunk_s = 0.02  # measured on a busy machine; benchmarks/cluster_plan.py measures it on any other
     ask_s = 2.0  # how often the cluster is asked for its size, which may change

@@ -291,8 +291,7 @@ def identifiability(
         tried = _candidates(problem, forces, sensors)
         helpful = [*_fixed(names, covariance), *helpful, *_further(problem, x, jacobians, error, tried)]
     seen = np.array([_singular_values(j, error) for j in jacobians])
-    of_each = np.sqrt(np.clip(np.diag(covariance), 0.0, 1.0))
-    told = of_each, vectors, left, tuple(words), tuple(helpful)
+    told = np.sqrt(np.clip(np.diag(covariance), 0.0, 1.0)), vectors, left, tuple(words), tuple(helpful)
     return BoxIdentifiability(names, taken, x[:, box.free], seen, *told)
 
 

@@ -326,8 +326,7 @@ def fingerprint(problem: UpdatingProblem, options: dict[str, Any], guesses: list
 
 Pairs = tuple[IntArray, FloatArray]  # response of each value, and ln f, ascending within each
 
-#: Measured over model, and which mistakes make it so.
-_RATIOS: tuple[tuple[float, str], ...] = (
+_RATIOS: tuple[tuple[float, str], ...] = (  #: Measured over model, and which mistakes make it so.
     (math.tau, "are the frequencies in rad/s in place of Hz?"),
     (1.0 / math.tau, "were the frequencies divided by 2 pi once too often?"),
     (60.0, "are the frequencies in revolutions per minute in place of Hz?"),
@@ -345,8 +344,7 @@ _RATIOS: tuple[tuple[float, str], ...] = (
     (2.0, "is the sampling rate given twice the true one?"),
     (0.5, "is the sampling rate given half the true one?"),
 )
-#: What values of one of two tests may be in, over what they should be.
-_UNITS = (
+_UNITS = (  #: What values of one of two tests may be in, over what they should be.
     (1e-3, "in kHz in place of Hz"),
     (math.tau, "in rad/s in place of Hz"),
     (60.0, "in revolutions per minute in place of Hz"),

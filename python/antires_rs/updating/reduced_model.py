@@ -244,8 +244,7 @@ def _orthonormal(shifted: Any, vectors: FloatArray) -> FloatArray:
     """A-orthonormal combinations of vectors, brought to unit size, without those that rounding makes."""
     vectors = _units(shifted, vectors)
     for floor in (_ROUNDING, 0.5):  # twice, for the digits
-        gram = vectors.T @ (shifted @ vectors)
-        sizes, rotation = _principal(gram)
+        sizes, rotation = _principal(vectors.T @ (shifted @ vectors))
         kept = sizes > floor
         vectors = np.asarray(vectors @ (rotation[:, kept] / sizes[kept]))
     return vectors
@@ -282,8 +281,7 @@ def expected_errors(
     (stiffness, mass), vectors = full, basis.vectors
     of_stiffness, of_mass = vectors.T @ (stiffness @ vectors), vectors.T @ (mass @ vectors)
     dynamic = of_stiffness - roots[:, None, None] * of_mass
-    loads = np.stack([vectors[forces], vectors[responses]], axis=2)
-    columns = np.linalg.solve(dynamic, loads)
+    columns = np.linalg.solve(dynamic, np.stack([vectors[forces], vectors[responses]], axis=2))
     slope = np.einsum("zi,ij,zj->z", columns[:, :, 1], of_mass, columns[:, :, 0])
 
     def residual(at: FloatArray, places: Any) -> FloatArray:

@@ -494,8 +494,7 @@ def _given_weights(
     if kept is not None and found.size == kept.size:
         found = found[kept]
     if found.size != count or found.min() < 0.0 or not found.any():
-        got = f"{found.size} numbers from {found.min():g} to {found.max():g}"
-        reject("weights", got, wanted, _ALIKE)
+        reject("weights", f"{found.size} numbers from {found.min():g} to {found.max():g}", wanted, _ALIKE)
     return found
 
 

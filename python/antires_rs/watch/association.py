@@ -92,8 +92,7 @@ def places_of(sets: Sequence[AntiresonanceSet], max_shift: float) -> Places:
         freq, rate = np.array([(place[1], times[place] / len(sets)) for place in every]).T.copy()
         return Places(sets[0].excitation, dofs, label_array([dof for dof, _ in every]), freq, rate, True)
     counts = [sum(map(len, one.tables.values())) for one in sets]
-    # Begin with a test that is as rich as most.
-    typical = float(np.median(counts))
+    typical = float(np.median(counts))  # Begin with a test that is as rich as most.
     first, *others = sorted(range(len(sets)), key=lambda i: abs(counts[i] - typical))
     dofs = tuple(dict.fromkeys(dof for one in sets for dof in one))
     groups: dict[Any, list[list[float]]] = {dof: [[f] for f in sets[first].get(dof, ())] for dof in dofs}

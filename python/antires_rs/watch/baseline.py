@@ -37,8 +37,7 @@ def fitted(y: FloatArray, x: FloatArray) -> Regression:
     """Each column of y (n, m), NaN where there is no value, on the rows of x (n, q)."""
     there = ~np.isnan(y)
     weight = there.astype(np.float64)
-    # About its median: logarithms of hertz are of one size, their changes 1e-3 of it.
-    middle = _median(y)
+    middle = _median(y)  # About its median: logarithms of hertz are of one size, their changes 1e-3 of it.
     filled = np.where(there, y - middle, 0.0)
     size = np.maximum(np.sqrt(np.mean(x**2, axis=0)), 1e-300)
     scaled = x / size
@@ -278,8 +277,7 @@ def correlations(z: FloatArray) -> tuple[FloatArray, FloatArray]:
     share = float(np.clip(noise.sum() / max(np.sum(rest[pairs] ** 2), 1e-300), 0.0, 1.0)) if m > 1 else 1.0
     rest = (1.0 - share) * rest
     np.fill_diagonal(rest, np.maximum(1.0 - np.diag(common), _LEAST))
-    # No eigenvalue near or below 0.
-    values, vectors = np.linalg.eigh(0.5 * (rest + rest.T))
+    values, vectors = np.linalg.eigh(0.5 * (rest + rest.T))  # No eigenvalue near or below 0.
     return (vectors * np.maximum(values, _LEAST)) @ vectors.T + common, loadings
 
 
@@ -319,8 +317,7 @@ class Learned:
         excess = np.nan_to_num(np.maximum(std**2 - (_POOR * self.usual) ** 2, 0.0))
         x = self.basis.rows(conditions, n)
         unsure = 1.0 + np.einsum("ij,jk,ik->i", x, self.regression.inverse, x)  # of the line, and of one test
-        bent = self.beyond(conditions, n) ** 2
-        return np.asarray(np.sqrt(self.variance * unsure[:, None] + excess + bent))
+        return np.asarray(np.sqrt(self.variance * unsure[:, None] + excess + self.beyond(conditions, n) ** 2))
 
     def beyond(self, conditions: Mapping[str, FloatArray], n: int) -> FloatArray:
         """Standard deviation, (n, m), of what each value does by itself outside the baseline's range."""

@@ -426,8 +426,7 @@ def charts_of(
     inverses = Inverses(whole.correlation)
     found = distances(whole, y, std, conditions, inverses)
     z, t2, count = found.z.copy(), found.t2.copy(), found.count
-    # The baseline's tests as what they would be if they came later.
-    folds = folds_of(baseline.size)
+    folds = folds_of(baseline.size)  # The baseline's tests as what they would be if they came later.
     for fold in range(int(folds.max()) + 1):
         out, kept = baseline[folds == fold], baseline[folds != fold]
         others, there = ({name: column[at] for name, column in conditions.items()} for at in (kept, out))

@@ -253,8 +253,7 @@ def _assessed(
     kept = count >= np.maximum(1, 0.5 * looked.sum(axis=0))
     std = np.sqrt(learned.variance * np.pi / 2.0 / np.maximum(count, 1))  # of a median
     usual = float(np.median(np.sqrt(learned.variance))) / np.sqrt(len(tests))
-    # Values at no place that at least half of the tests have.
-    groups: list[tuple[Any, list[float]]] = []
+    groups: list[tuple[Any, list[float]]] = []  # Values at no place that at least half of the tests have.
     for dof, freq in (one for i in tests.tolist() for one in values.strange[i]):
         near = (g for d, g in groups if d == dof and abs(freq / float(np.median(g)) - 1.0) < _SAME)
         if (group := next(near, None)) is None:
@@ -480,8 +479,7 @@ def monitor(
     judged = ~np.isnan(charts.charts["T2"].statistic) | (charts.charts["events"].ratio > 1.0)
     statistic = np.where(judged, np.max([chart.ratio for chart in charts.charts.values()], axis=0), np.nan)
     alarm = judged & (np.nan_to_num(statistic) > 1.0)
-    # Runs of alarms, which tests that could not be judged do not end.
-    at = np.flatnonzero(alarm)
+    at = np.flatnonzero(alarm)  # Runs of alarms, which tests that could not be judged do not end.
     gaps = np.flatnonzero(np.diff(np.cumsum(judged)[at]) > _QUIET + 1)
     runs = [(int(run[0]), int(run[-1])) for run in np.split(at, gaps + 1) if run.size]
     learned, assessments = charts.learned, {}

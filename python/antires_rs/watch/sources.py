@@ -79,8 +79,7 @@ def _once(sources: Iterable[Any]) -> Iterator[Source]:
         argument = part("sources", number)
         name, conditions = None, {}
         if isinstance(one, tuple):
-            fits = len(one) in (2, 3) and isinstance(one[0], str) and isinstance((*one, {})[2], Mapping)
-            if not fits:
+            if not (len(one) in (2, 3) and isinstance(one[0], str) and isinstance((*one, {})[2], Mapping)):
                 wanted = "(name, source) or (name, source, conditions)"
                 reject(argument, f"a tuple of {len(one)}", wanted, "Put repeats of one test in a list.")
             name, one, conditions = (*one, {})[:3]
