@@ -152,3 +152,10 @@ def test_a_single_channel_takes_the_route_over_the_force(tmp_path, capsys):
     assert cli.main([*given, "--route", "frf"]) == 0
     found = ar.AntiresonanceSet.load(tmp_path / "a.json")["tip"]
     assert found == pytest.approx(exact(chain(), [0])[0], rel=2e-3)
+
+
+def test_a_job_and_its_results_are_sent_to_the_report(tmp_path, capsys):
+    (tmp_path / "run.json").write_text("{}")
+    for given in (tmp_path, tmp_path / "job.toml"):
+        assert cli.main(["look", str(given)]) == 2
+        assert "'antires report' writes the page of a result" in capsys.readouterr().err

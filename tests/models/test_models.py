@@ -207,6 +207,13 @@ K, M, _ = random_structure(4, 9)
 LABELS = [f"{4 + dof}:Z" for dof in range(9)]
 
 
+@pytest.mark.parametrize("places", ["indices", "indptr"])
+def test_a_sparse_matrix_with_places_outside_is_refused(places):
+    given = scipy.sparse.csr_array(K)
+    getattr(given, places)[-1] = 10**8
+    refused("stiffness: got places outside of the matrix", ar.MatrixModel, given, M)
+
+
 @pytest.mark.parametrize("sparse", [False, True])
 @pytest.mark.parametrize(("half", "word"), [(np.triu, "upper"), (np.tril, "lower")])
 def test_one_triangle_is_told_and_not_to_be_halved(sparse, half, word):

@@ -7,6 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from ..exceptions import InvalidInputError
 from ..figures.live_canvas import require_bokeh
 from ..figures.page import opened
 from .command import existing, new_file
@@ -19,6 +20,9 @@ def look(args: argparse.Namespace) -> int:
     first: Path = args.files[0]
     require_bokeh()
     for file in args.files:
+        if file.suffix.lower() == ".toml" or (file / "run.json").is_file():
+            got, wanted = f"{str(file)!r}, a job or its results", "a measurement, or antiresonances"
+            raise InvalidInputError("FILE", got, wanted, "'antires report' writes the page of a result.")
         if not file.is_dir():
             existing("FILE", file, "Name a measurement, or antiresonances.")
     new_file("--out", args.out, ".json")

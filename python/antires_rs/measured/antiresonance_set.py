@@ -540,7 +540,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         """A set from the text of :meth:`to_json`; ``name`` stands for it in messages."""
         try:
             data = json.loads(text)
-        except ValueError as exc:
+        except (ValueError, RecursionError) as exc:
             reject("path", f"{name!r}, which is not JSON ({exc})", _WANTED, _ANOTHER)
         if not isinstance(data, dict) or data.get("format") != FORMAT:
             reject("path", f"{name!r} without the mark {FORMAT!r}", _WANTED, _ANOTHER)

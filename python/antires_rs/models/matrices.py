@@ -125,6 +125,11 @@ def as_term(name: str, matrix: Any, n: int) -> Entries:
 
 def _entries(name: str, matrix: Any) -> tuple[tuple[int, ...], Entries]:
     """Shape and finite entries of a matrix; of a damped one the real part, as no antiresonance knows more."""
+    if hasattr(matrix, "check_format"):  # SciPy's C code trusts the places
+        try:
+            matrix.check_format(full_check=True)
+        except (ValueError, IndexError) as exc:
+            reject(name, f"places outside of the matrix ({exc})", WANTED, "Make it anew from its entries.")
     shape, entries = _given(name, _undamped(name, matrix))
     above, below = (entries.rows < entries.columns).any(), (entries.rows > entries.columns).any()
     if shape[0] == shape[-1] and above != below:  # its mean with the mirror image would be wrong
