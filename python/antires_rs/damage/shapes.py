@@ -265,7 +265,6 @@ class Structure:
 
 
 _TILTS = (1, 2, 3)  # powers of the height with which a building tilts and bends as a whole
-_BASES = (30.0, 10.0, 4.0, 2.0)  # springs under a base, over that of the lowest storey
 
 
 class Chain(Structure):
@@ -289,46 +288,16 @@ class Chain(Structure):
         first, second = recipe.ground_first_n_per_m != 0.0, recipe.ground_last_n_per_m != 0.0
         return None if first == second else (last, 0) if first else (last + 1, last)
 
-    def hinged(self, left: Callable[[Structure], float]) -> Structure:
-        """With a base of its own, as heavy as the mass above it, on a spring with which least is left."""
-        if self._stands is None:
-            return self
-        core, n, (term, foot) = self.model._core, self.model.n_dof, self._stands
-        terms, masses = core.stiffness_terms(), core.mass_terms()
-        stiff, mass = float(np.sum(terms[term][2])), as_sparse(core.mass()).diagonal()[foot]
-        under = np.array([foot, n, n]), np.array([n, foot, n]), stiff * np.array([-1.0, -1.0, 1.0])
-        terms[term], base = _together([terms[term], under]), _masses(mass, [n])
-        found: list[tuple[float, Structure]] = [(left(self), self)]
-        for times in _BASES:
-            other, spring = copy(self), _masses(times * stiff, [n])
-            whole = _together([_entries(core.stiffness()), under, spring])
-            heavy = _together([_entries(core.mass()), base])
-            made = CoreModel.from_matrices(n + 1, whole, heavy, [*terms, spring], [*masses, base])
-            other.finer = Joined(n + 1, made)
-            found.append((left(other), other))
-        return min(found, key=lambda each: each[0])[1]
-
-    @property
-    def yielding(self) -> tuple[Parameter, ...]:
-        """The spring and the mass of the base."""
-        if self.finer is None:
-            return ()
-        core = self.model._core
-        stiffness = Parameter("stiffness_factor", (core.n_stiffness_terms,), (0.2, 5.0))
-        return stiffness, Parameter("mass_factor", (core.n_mass_terms,), (0.2, 5.0))
-
     def joints(self) -> list[Shape]:
         """What tilting and bending leave of the stiffness, by the formula of a hinge."""
         if self._stands is None:
             return []
         n, (_, foot) = self.model.n_dof, self._stands
-        stiffness: Any = self.model.stiffness()  # dense for a chain
-        if self.finer is not None:
-            stiffness = as_sparse(self.finer._core.stiffness()).toarray()
+        stiffness = np.asarray(self.model.stiffness())
         height = np.arange(1.0, n + 1.0)[:: -1 if foot else 1] / n
         found = []
         for power in _TILTS:
-            way = np.pad(height**power, (0, len(stiffness) - n))
+            way = height**power
             force = stiffness @ way
             found.append(Shape("joint", -1, 0.0, -1, 1.0, _product(force / np.sqrt(way @ force))))
         return found
