@@ -332,9 +332,9 @@ impl Places {
     /// Slope of a root by the severity of an element or crack.
     pub fn slope(&self, t: &Tables<'_>, root: usize, by: usize) -> f64 {
         let column = t.host(by);
-        let own = |e: usize, level: usize| match by >= t.n && e == by {
-            true => t.by_own[t.at(e, level) + root],
-            false => f64::from(t.slope_row(e, level, root)[column]),
+        let own = |e: usize, level: usize| {
+            let hosts = || f64::from(t.slope_row(e, level, root)[column]);
+            if by >= t.n && e == by { t.by_own[t.at(e, level) + root] } else { hosts() }
         };
         let start = own(0, 0);
         let mut total = start;
