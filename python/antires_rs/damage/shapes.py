@@ -281,20 +281,14 @@ class Chain(Structure):
         nodes, named = range(self.model.n_dof), self.model.mass_label
         return [Shape("mass", -1, 0.0, k, most, _masses(most, [k]), name=named(k)) for k in nodes]
 
-    @property
-    def _stands(self) -> tuple[int, int] | None:
-        """Its spring to the ground, where it has one, and the mass on that."""
-        last, recipe = self.model.n_dof - 1, self.model._recipe
-        first, second = recipe.ground_first_n_per_m != 0.0, recipe.ground_last_n_per_m != 0.0
-        return None if first == second else (last, 0) if first else (last + 1, last)
-
     def joints(self) -> list[Shape]:
         """What tilting and bending leave of the stiffness, by the formula of a hinge."""
-        if self._stands is None:
+        recipe, n = self.model._recipe, self.model.n_dof
+        first, last = recipe.ground_first_n_per_m != 0.0, recipe.ground_last_n_per_m != 0.0
+        if first == last:
             return []
-        n, (_, foot) = self.model.n_dof, self._stands
         stiffness = np.asarray(self.model.stiffness())
-        height = np.arange(1.0, n + 1.0)[:: -1 if foot else 1] / n
+        height = np.arange(1.0, n + 1.0)[:: 1 if first else -1] / n
         found = []
         for power in _TILTS:
             way = height**power

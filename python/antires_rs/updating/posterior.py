@@ -846,9 +846,8 @@ def profile(
     if where.size == 0:
         reject("name", repr(name), "a parameter that may move", "Its bounds are equal, or it is exactly 0.")
     j, free = int(where[0]), fit.residuals.free
-    seen = (
-        np.linalg.norm(fit.residuals.back @ fit.jacobian, axis=0) > UNSEEN
-    )  # where an unseen parameter rests means nothing
+    # Where an unseen parameter rests means nothing.
+    seen = np.linalg.norm(fit.residuals.back @ fit.jacobian, axis=0) > UNSEEN
 
     def value(place: float) -> float:
         return float(fit.residuals.vector(np.where(np.arange(fit.u.size) == j, place, fit.u))[free[j]])
@@ -894,9 +893,8 @@ def intervals(
         if above:
             high[j] = problem.bounds[j, 1]
             low[j] = low[j] if below else np.quantile(drawn_x[:, j], rest)
-    told = [nth for nth in fit.residuals.free if not low[nth] <= x[nth] <= high[nth]]
-    if told:
-        named = ", ".join(problem.names[nth] for nth in told[:4])
+    if outside := [nth for nth in fit.residuals.free if not low[nth] <= x[nth] <= high[nth]]:
+        named = ", ".join(problem.names[nth] for nth in outside[:4])
         notes.append(f"Fitted outside its interval: {named}. The fit takes errors for independent.")
     middle, model_error = np.median(drawn_x, axis=0), float(np.median(fit.errors.tau[which]))
     columns = low, high, middle, np.std(drawn_x, axis=0), tuple(words), drawn_x
