@@ -162,3 +162,24 @@ for thread in threads: thread.join()
 print(len(found), all(each == found[0] for each in found), len(found[0]))
 """
     assert in_a_new_process(code) == f"8 True {len(ar.__all__)}"
+
+
+# -- What has left says what is used now
+@pytest.mark.parametrize(
+    ("module", "name"),
+    [("figures", "data_of"), ("figures", "plot_transmissibility"), ("io", "mat_arrays")],
+)
+def test_a_name_that_has_left_is_told(module, name):
+    with pytest.raises(AttributeError, match=f"{name} has left: "):
+        getattr(import_module(f"antires_rs.{module}"), name)
+    with pytest.raises(AttributeError, match="has no 'never_there'"):
+        _ = import_module(f"antires_rs.{module}").never_there
+
+
+def test_a_keyword_that_has_left_warns_and_changes_nothing():
+    zeros = ar.AntiresonanceSet(0, {1: [5.0, 9.0]})
+    with pytest.warns(FutureWarning, match="AntiresonanceSet.drop: tol_hz has left and has no effect"):
+        assert zeros.drop(1, 9.0, tol_hz=0.1) == zeros.drop(1, 9.0)
+    with pytest.warns(FutureWarning, match="times has left") as caught:
+        assert len(ar.Series.from_sets([zeros], times=[0.0])) == 1
+    assert caught[0].filename == __file__

@@ -6,6 +6,7 @@ matplotlib is missing ``MissingDependencyError`` says so. Colours are those of O
 or mark is told from another by colour alone.
 """
 
+from ..support.messages import names_left
 from .damage import plot_damage, plot_hypotheses
 from .identification import plot_singular_values, plot_stabilization
 from .planning import plot_detectability, plot_plan
@@ -19,3 +20,14 @@ __all__ = [
     "plot_differences", "plot_frame", "plot_hypotheses", "plot_identifiability", "plot_monitor", "plot_plan",
     "plot_responses", "plot_singular_values", "plot_stabilization", "plot_tracks",
 ]  # fmt: skip
+
+__getattr__ = names_left(
+    __name__,
+    {
+        "data_of": "the numbers are attributes of what is drawn, such as result.severity",
+        "plot_coherence": "the page of `antires look` draws the coherence, resp.coherence has it",
+        "plot_damages": "each result draws its own, result.plot(ax=...)",
+        "plot_damping_clusters": "diagram.plot() draws the poles, diagram.damping_ratio has their damping",
+        "plot_transmissibility": "write plot_responses(..., dofs=[dof])",
+    },
+)

@@ -14,6 +14,7 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..signals.spectra import two_channel
 from ..support.checks import FloatArray
+from ..support.messages import keywords_left
 from . import live_canvas as live
 from .canvas import below, draw, draw_marks, new_axes
 from .marks import COLOURS, Axis, Line, Mark, Panel, Points, Rules
@@ -32,6 +33,7 @@ LOOKS: dict[str, tuple[str, Any]] = {  #: Colour and dash of each kind of value.
 STABLE, UNSTABLE, ADDED, DROPPED = LOOKS
 
 
+@keywords_left(dropped="give zeros= and dof=", added="give zeros= and dof=")
 def plot_stabilization(
     diagram: StabilizationDiagram, ax: Any = None, *, zeros: AntiresonanceSet | None = None, dof: Any = 0
 ) -> Any:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..exceptions import reject
+from ..support.messages import keywords_left
 from .canvas import draw, new_axes
 from .live_canvas import explored, stacked
 from .marks import Axis, Bands, Heads, Line, Mark, Panel, Points, Rules, turn
@@ -61,6 +62,7 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 ROOM = 60  # texts of conditions longer than this, all together, are turned
 
 
+@keywords_left(kind="changes are drawn")
 def plot_tracks(tracks: Tracks, dof: Any = None, *, ax: Any = None) -> Any:
     """Draw how the antiresonances of one response changed since the first test of each, in %.
 
@@ -117,6 +119,7 @@ LABELS = {"T2": "Single tests", "EWMA": "Mean of tests", "events": "Lost and new
 MOST_TESTS = 20_000  # so many tests at most are on a page: of more, the alarms and the latest of the others
 
 
+@keywords_left(panel="all charts are drawn; single tests into ax")
 def plot_monitor(watched: Watched, *, ax: Any = None) -> Any:
     """Draw the charts of a watch over its tests, each over its limit, and the first condition.
 

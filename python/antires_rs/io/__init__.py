@@ -4,6 +4,7 @@ docs/files.md has a table of what each format keeps. Nothing is computed here; o
 where they are used.
 """
 
+from ..support.messages import names_left
 from .channels import from_sep005, to_sep005
 from .hdf5_mat import read_hdf5, read_mat, write_hdf5, write_mat
 from .matrix_files import read_dof_map, read_matrices, write_matrices
@@ -19,3 +20,5 @@ __all__ = [
     "read_tdms", "read_uff", "read_wav", "to_sep005", "write_csv", "write_hdf5", "write_mat",
     "write_matrices", "write_npz", "write_uff",
 ]  # fmt: skip
+
+__getattr__ = names_left(__name__, {"mat_arrays": "scipy.io.loadmat lists the arrays of a file"})

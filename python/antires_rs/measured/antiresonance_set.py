@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ..exceptions import InvalidInputError, reject
 from ..support.checks import FloatArray, choice
 from ..support.files import write_atomically
+from ..support.messages import keywords_left
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
 from .edits import BY_HAND, Edit, added, dropped, edit_of, marked
@@ -353,6 +354,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
             reject("dof", dof, f"one of {tuple(self.tables)}", "Name a dof of the set; those are its keys.")
         return dof
 
+    @keywords_left(tol_hz="1 % of the value holds")
     def drop(self, dof: Any, freq_hz: Any, *, reason: str = "") -> Self:
         """A new set without the values nearest to ``freq_hz`` (Hz, one or several).
 
@@ -437,6 +439,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
             lines.append("edited by hand: " + "; ".join(map(str, self.edits)))
         return "\n".join(lines)
 
+    @keywords_left(kind="the poles of every order are drawn")
     def plot(self, dof: Any, *, ax: Any = None) -> Any:
         """Draw the stabilization diagram of a dof, edits by hand included; returns the axes.
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..exceptions import reject
 from ..support.checks import FloatArray
+from ..support.messages import keywords_left
 from ..support.values import ReadOnly, frozen
 from ..views import Viewed
 from .antiresonance_set import aligned, number
@@ -121,6 +122,7 @@ class Tracks(ReadOnly, Viewed):
         """An ``xarray.Dataset`` over test and track, conditions and dofs as coordinates; needs xarray."""
         return self._view("to_xarray")(self)
 
+    @keywords_left(kind="changes are drawn")
     def plot(self, dof: Any = None, *, ax: Any = None) -> Any:
         """Draw the tracks of a response over the tests; see :func:`~antires_rs.figures.plot_tracks`."""
         return self._view("plot")(self, dof, ax=ax)

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from difflib import get_close_matches
-from functools import cache
+from functools import cache, wraps
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 from ..exceptions import AntiresWarning, reject
 
+Given = ParamSpec("Given")
+Result = TypeVar("Result")
 _UNHEARD: ContextVar[bool] = ContextVar("_UNHEARD", default=False)
 
 
@@ -132,3 +134,31 @@ def moved(old: str, new: str) -> Callable[[str], Any]:
         return value
 
     return look_up
+
+
+def names_left(module: str, instead: Mapping[str, str]) -> Callable[[str], Any]:
+    """The ``__getattr__`` of a module from which names have left: what to use instead."""
+
+    def look_up(name: str) -> Any:
+        told = (
+            f"{module}.{name} has left: {instead[name]}" if name in instead else f"{module} has no {name!r}"
+        )
+        raise AttributeError(told, name=name, obj=sys.modules[module])
+
+    return look_up
+
+
+def keywords_left(**why: str) -> Callable[[Callable[Given, Result]], Callable[Given, Result]]:
+    """Keywords of a call that have left warn until the next release, and have no effect."""
+
+    def decorate(call: Callable[Given, Result]) -> Callable[Given, Result]:
+        @wraps(call)
+        def taken(*args: Given.args, **keywords: Given.kwargs) -> Result:
+            for name in why.keys() & keywords.keys():
+                del keywords[name]
+                warn_of_change(f"{call.__qualname__}: {name} has left and has no effect: {why[name]}")
+            return call(*args, **keywords)
+
+        return taken
+
+    return decorate

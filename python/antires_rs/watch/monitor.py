@@ -21,7 +21,7 @@ from ..measured.matching import MAX_SHIFT, within
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..support.checks import FloatArray, finite_scalar
-from ..support.messages import warn
+from ..support.messages import keywords_left, warn
 from ..support.progress import patient, step
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..updating.problem import UpdatingProblem
@@ -196,6 +196,7 @@ class Watched(ReadOnly, Viewed):
             lines.append(f"failed, not judged: {len(self.failed)} tests, see .failed")
         return "\n".join(lines)
 
+    @keywords_left(panel="all charts are drawn; single tests into ax")
     def plot(self, ax: Any = None) -> Any:
         """Draw charts and conditions; see :func:`~antires_rs.figures.plot_monitor`."""
         return self._view("plot")(self, ax=ax)

@@ -19,6 +19,7 @@ from ..measured.matching import MAX_SHIFT
 from ..measured.response_table import ResponseTable
 from ..measured.track import Tracks, followed
 from ..support.checks import FloatArray
+from ..support.messages import keywords_left
 from ..support.values import FrozenDict, ReadOnly, frozen
 from .conditions import checked_names, condition_table
 from .store import read_series, write_series
@@ -153,6 +154,7 @@ class Series(ReadOnly):
     __hash__ = None  # type: ignore[assignment]
 
     @classmethod
+    @keywords_left(times="give them as conditions={'time': ...}", failed="a test that failed is None")
     def from_sets(
         cls,
         sets: Sequence[AntiresonanceSet | None],
