@@ -15,7 +15,9 @@ have one in its place, that is
   what the fits leave: what lies between two lines of noise is no antiresonance, and what all responses have,
   a line of the force or a mode that it hardly excites, makes none;
 - or in more fits, and off the axis by more than its scatter; of decays in fewer the further off it is. A zero
-  beside a resonance or on a slope hardly dips, but turns the phase; roots of the noise of a line do not.
+  beside a resonance or on a slope hardly dips, but turns the phase; roots of the noise of a line do not. Nor
+  do those of a mode that the force hardly excites, in many responses of a decay at once: off the axis, these
+  confirm one another, unless they lie at twice the frequency of a strong vibration, as its harmonic.
 
 Two values between which the response does not rise are one, unless most fits must have both.
 
@@ -31,7 +33,7 @@ Samworth, J. R. Stat. Soc. B 75 (2013) 55-80 (complementary pairs).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +72,7 @@ PERIODS, SHORTER, ENOUGH = (20.0, 320.0), 4.0, 0.7
 LEAD = 4.0  # periods of the highest frequency before an impact
 #: Amplitude to which an exponential window brings a decay down, and lines of it that are independent.
 WINDOWED_END, INDEPENDENT = 1e-2, 3
+STRONG = 0.1  # power at a frequency over that at the strongest, from which its harmonic is looked for
 SEED = 28  # seed of halves and of added noise: the same record gives the same values
 
 
@@ -81,7 +84,7 @@ class Look:
     a row may be zero, that of a channel left out. Where the first is alone, noise as large as what the fits
     leave perturbs it. ``noise`` (n_freq, n_rows) is the least noise power of the first. Looks of
     ``own_range``
-    are for different frequencies.
+    are for different frequencies. ``strong_hz`` are the frequencies at which a decay is strongest.
     """
 
     freq_hz: FloatArray
@@ -90,6 +93,7 @@ class Look:
     noise: FloatArray
     decay_per_s: float = 0.0
     own_range: bool = False
+    strong_hz: FloatArray = field(default_factory=lambda: np.empty(0))
 
 
 def looks_of(averages: Averages, band_hz: tuple[float, float], *, one: bool = False) -> list[Look]:
@@ -220,7 +224,9 @@ def _of_decays(
     stacked = np.array(vectors)
     stacked[1:] = leave_out(stacked[1:])
     floor = own_noise / np.maximum(largest, 1e-300)[:, None]
-    return Look(freq[some], stacked, snr / (1.0 + snr / SNR_CAP), floor, decay, own_range=True)
+    weights = snr / (1.0 + snr / SNR_CAP)
+    strong = freq[some][largest >= STRONG * largest.max()]
+    return Look(freq[some], stacked, weights, floor, decay, own_range=True, strong_hz=strong)
 
 
 # -- Candidates and their shares
@@ -239,6 +245,9 @@ MENTIONED_DB = 7.0  # what rises less is not even mentioned
 #: How far above ``min_share`` a share must be without a dip: of decays ``OFF_AXIS`` and so many scatters off
 #: the axis; of segments, which leak off it; and where all others have it too, as a harmonic, within the last.
 WITHOUT_DIP, FAR_OFF, OF_SEGMENTS, IN_COMPANY, BESIDE = (0.3, 0.1), 4.0, 0.25, 0.3, 0.01
+#: Of decays: scatters off the axis from which, and from which on wholly, values of several responses in one
+#: place are a mode that the force hardly excites, no line; more than half of the others confirm them.
+CLEAR, CONFIRMED = (1.0, 1.5), (0.5, 0.6)
 #: A root in an exponential window no further from the axis of that than the window's own decay may follow the
 #: noise of a line: standard deviations by which one in a dip may be nearer, one without must be further.
 OFF_AXIS = 0.6
@@ -272,13 +281,15 @@ class _Surveyed:
 IN_TOO_FEW, IN_NOISE = "in too few perturbed fits", "beside noise"
 NO_DIP, TOO_DAMPED = "no dip beside the other responses", "damped too much"
 AT_A_LINE = "on the axis, as noise of a line"
-#: A candidate: response, frequency, damping ratio, standard deviation in Hz, share, rise in dB, fits.
+#: A candidate: response, frequency, damping ratio, standard deviation in Hz, share, rise in dB, fits, whether
+#: it lies at twice a frequency of strong vibration.
 CANDIDATE = np.dtype(
     [
         ("row", np.intp),
         *((name, np.float64) for name in ("freq_hz", "damping_ratio", "std_hz", "off_axis")),
         *((name, np.float64) for name in ("share", "rise_db", "depth_db")),
         ("fits", np.intp),
+        ("harmonic", np.bool_),
     ]
 )
 
@@ -351,6 +362,7 @@ def _judged(surveyed: list[_Surveyed], sightings: list[_Sightings], n_rows: int)
     ]
     seen = [_perturbed(one, places, rng) for one in surveyed]
     own_range = surveyed[0].look.own_range
+    strong_hz = np.concatenate([one.look.strong_hz for one in surveyed])
     rows = []
     for i, (row, _) in enumerate(places):
         parts = [part for part in (own[i] for own in seen) if part is not None]
@@ -373,6 +385,7 @@ def _judged(surveyed: list[_Surveyed], sightings: list[_Sightings], n_rows: int)
                 max(_rise_db(one, row, freq) for one in surveyed),
                 max(_depth_db(one, row, freq) for one in surveyed),
                 sum(part.fits for part in parts),
+                bool(np.any(np.abs(2.0 * strong_hz / freq - 1.0) < BESIDE)),
             )
         )
     return np.array(rows, dtype=CANDIDATE)
@@ -393,8 +406,12 @@ def false_values(share: FloatArray, on_average: float, places: float) -> FloatAr
 def reasons(found: NDArray[np.void], rule: FitOptions, n_rows: int, *, decays: bool) -> NDArray[np.str_]:
     """Why candidates, of decays or of segments, are not accepted, (n,); empty for those that are."""
     share, off = found["share"], found["off_axis"]
-    more = np.interp(off, (OFF_AXIS, FAR_OFF), WITHOUT_DIP) if decays else OF_SEGMENTS
-    needed = rule.min_share + IN_COMPANY * _company(found[found["share"] >= rule.min_share], found, n_rows)
+    more = np.interp(off, (OFF_AXIS, FAR_OFF), WITHOUT_DIP) if decays else np.full(off.shape, OF_SEGMENTS)
+    company = _company(found[found["share"] >= rule.min_share], found, n_rows)
+    # The harmonic of a strong vibration, by what a sensor or its amplifier does, is off the axis as well.
+    clear = np.interp(off, CLEAR, (0.0, 1.0)) * ~found["harmonic"] if decays else np.zeros(off.shape)
+    needed = rule.min_share + IN_COMPANY * company * (1.0 - clear)
+    more *= 1.0 - clear * np.interp(company, CONFIRMED, (0.0, 1.0))
     return np.select(
         [
             share < needed,
