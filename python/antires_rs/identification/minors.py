@@ -27,7 +27,7 @@ Anderson, Ann. Math. Stat. 34 (1963) 122-148 (scatter of eigenvectors).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import comb
@@ -40,14 +40,18 @@ from ..exceptions import Argument, UnsuitableDataError, reject
 from ..measured.response_table import Dofs, key_of
 from ..signals.averaging import Averages
 from ..signals.frequency_response import FrequencyResponse
-from ..signals.spectra import FLOOR_LINES, LEAST_NOISE, LINES, Segments, noise_power, pieces
+from ..signals.recording import Recording
+from ..signals.repeats import as_first
+from ..signals.spectra import FLOOR_LINES, LEAST_NOISE, LINES, Segments, pieces
 from ..support.checks import ComplexArray, FloatArray
-from .lines import Lines, unit
+from .lines import Lines, require_live, unit
+from .stability import Directions
 
 MOST_MINORS = 300  # of more, those of most information are formed
 MOST_FORMED = 200_000  # of more no choice is made
 IN_ONE_FIT, ANCHORS = 64, 12  # rows of one fit; of several fits those that all have, the strongest
 CHOICE_LINES = 64  # lines that tell which minors are strong
+LEAST_SNR = 4.0  # a line below it has no subspace of r dimensions by which a fit may be judged
 PASSES = 4  # passes of "subspace, residual noise of each channel, scale"
 LEAST_GAP = 0.25  # a signal eigenvalue counts as no nearer to the noise than this share of itself
 
@@ -233,4 +237,124 @@ def lines_of_minors(averages: Averages, some: Subspaces, rows: NDArray[np.intp])
         1.0 if length is None else min(1.0, averages.rec.n_samples / length / spectra.n_effective),
         spectra.n_averages / spectra.n_effective,
         spectra.draws,
+        least_snr=LEAST_SNR,
+    )
+
+
+class MinorsOfRecord:
+    """The minors of a record: their names, and lines of those that are fitted together."""
+
+    def __init__(self, rec: Recording, averages: Averages, order: int) -> None:
+        n_averages = averages.spectra.n_averages
+        if n_averages <= order:
+            got = f"{n_averages} averages of {order} forces"
+            remedy = "Record for longer, give a shorter nperseg, or hit every place several times."
+            raise UnsuitableDataError("source", got, f"more than {order}", remedy)
+        power = np.einsum("fii->i", averages.spectra.matrix).real
+        require_live(power, rec.dofs, "no signal at all from {} in the band", "Recording")
+        self._averages, self._subspaces = averages, subspaces(averages, order)
+        some = slice(None, None, -(-len(self._subspaces.values) // CHOICE_LINES))
+
+        def size(rows: NDArray[np.intp]) -> FloatArray:
+            return np.asarray(np.median(np.abs(self._subspaces.minors(rows, some)) ** 2, axis=0))
+
+        named = formed(size, rec.dofs, order)
+        self.dofs, self._rows = named.dofs, named.rows
+        self.groups = groups(size(named.rows))
+
+    def lines_of(self, group: NDArray[np.intp]) -> Callable[[int], Lines]:
+        """Lines of some minors, made once; for any row the same."""
+        made: list[Lines] = []
+
+        def lines(_: int) -> Lines:
+            if not made:
+                made.append(lines_of_minors(self._averages, self._subspaces, self._rows[group]))
+            return made[0]
+
+        return lines
+
+    def directions_of(self, group: NDArray[np.intp]) -> Directions:
+        """The same minors in other spectra, as ``dominant`` gives the direction of all responses."""
+        order, rows = self._subspaces.order, self._rows[group]
+
+        def directions(
+            matrix: ComplexArray, scale: FloatArray
+        ) -> tuple[FloatArray, FloatArray, ComplexArray]:
+            values, vectors = subspace(matrix, scale)
+            made = Subspaces(np.empty(0), values, vectors, None, order)
+            floor = floor_of(values, order)
+            signal = 1.0 / replace(made, values=values / floor[:, None]).noise
+            return signal * floor, floor, unit(made.minors(rows), axis=1)
+
+        return directions
+
+
+# -- The minors of curves that were measured one force after the other: FRFs are columns of H, and of
+# transmissibilities every column has a factor of its own, which goes into that of the minors
+
+
+class MinorResponse(FrequencyResponse):
+    """The minors of r responses, one a force, which it holds too; its dofs are sets of r dofs."""
+
+    columns: tuple[FrequencyResponse, ...]
+
+    def __init__(self, columns: Sequence[FrequencyResponse], *parts: Any, **named: Any) -> None:
+        super().__init__(*parts, **named)
+        object.__setattr__(self, "columns", tuple(columns))
+
+    def rows(self, rows: NDArray[np.intp]) -> FrequencyResponse:
+        """Some of the minors."""
+        std = None if self.std is None else self.std[rows]
+        dofs = [self.dofs[k] for k in rows]
+        return FrequencyResponse(self.freq_hz, self.values[rows], dofs, self.kind, self.reference, std=std)
+
+    @property
+    def groups(self) -> list[NDArray[np.intp]]:
+        """Rows that are fitted together; the reference is in all."""
+        size = np.linalg.norm(self.values, axis=0)
+        strength = np.median(np.abs(self.values / np.maximum(size, 1e-300)) ** 2, axis=1)
+        if self.reference is not None:
+            strength[self.dofs.index(self.reference)] = np.inf
+        return groups(strength)
+
+
+def minors_of_curves(source: Any, order: int) -> MinorResponse:
+    """The minors of a list of r responses."""
+    if isinstance(source, MinorResponse):
+        return source
+    if not isinstance(source, list | tuple) or len(source) != order:
+        count = len(source) if isinstance(source, list | tuple) else 1
+        wanted = f"{order} of them, one for each force"
+        remedy = "Measure one force after the other; of repeats with one force give one average."
+        reject("source", f"{count} FrequencyResponse{'s' * (count != 1)} for {order} forces", wanted, remedy)
+    first = source[0]
+    columns = [as_first(first, one, Argument("source").item(i)) for i, one in enumerate(source)]
+    basis = np.stack(columns, axis=-1).transpose(1, 0, 2)
+    some = basis[:: -(-len(basis) // CHOICE_LINES)]
+    strength = np.linalg.norm(some, axis=1, keepdims=True)
+
+    def size(rows: NDArray[np.intp]) -> FloatArray:
+        unit_columns = some / np.maximum(strength, 1e-300)
+        return np.asarray(np.median(np.abs(minors_of(unit_columns, rows)) ** 2, axis=0))
+
+    named = formed(size, first.dofs, order)
+    values = minors_of(basis, named.rows).T
+    std = None
+    if all(one.std is not None for one in source):
+        of_each = np.stack([one.std[[one.dofs.index(dof) for dof in first.dofs]] for one in source], axis=-1)
+        variance = of_each.transpose(1, 0, 2) ** 2
+        n = len(first.dofs)
+        std = np.empty(values.shape)
+        for lines in pieces(len(basis), values.shape[0] * n * order):
+            others = np.broadcast_to(np.eye(n, dtype=np.complex128), (len(basis[lines]), n, n))
+            by_value = np.abs(tangents(basis[lines], others, named.rows)) ** 2
+            std[:, lines] = np.sqrt(np.einsum("fmpj,fpj->mf", by_value, variance[lines]))
+    if first.kind == "frf":
+        return MinorResponse(source, first.freq_hz, values, named.dofs, std=std)
+    strongest = int(np.argmax(size(named.rows)))
+    below = np.where(np.abs(values[strongest]) < 1e-300, 1e-300, values[strongest])
+    reference = named.dofs[strongest]
+    std = None if std is None else std / np.abs(below)
+    return MinorResponse(
+        source, first.freq_hz, values / below, named.dofs, "transmissibility", reference, std=std
     )
