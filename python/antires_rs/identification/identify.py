@@ -72,7 +72,7 @@ from .options import (
     sorted_out,
 )
 from .paper import sweep_of
-from .scores import graded, of_lost_channels, scored, unexplained, with_second, without_common
+from .scores import graded, of_blind_lines, of_lost_channels, scored, unexplained, with_second, without_common
 from .selection import likeliest_of, select
 from .stability import Directions, Look, direction_diagrams, looks_of
 from .stabilization import PoleSweep, StabilizationDiagram, ZeroSweep, add_persistent, diagram, join, windows
@@ -107,6 +107,8 @@ def diagrams_of(
         found = _one_by_one(dofs, lines_for, band, options)
     if not options.rule.keep_common and options.formulation != "directions":
         found = without_common(found)
+    if first.least_snr > 0.0:
+        found = of_blind_lines(found, first.freq_hz, first.snr >= first.least_snr)
     for row, (dof, one) in enumerate(found.items()):
         known = np.concatenate([one.identified, one.left_out.freq_hz])
         peaks = unexplained(one.background_freq_hz, one.background, known, first.channel_snr(row))
