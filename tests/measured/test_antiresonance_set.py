@@ -1,6 +1,7 @@
 """The set by hand: order, mapping, file, and what it refuses."""
 
 import json
+import pickle
 import sys
 from dataclasses import FrozenInstanceError
 from pathlib import Path
@@ -64,7 +65,7 @@ def test_saving_replaces_whole_or_not_at_all(tmp_path, monkeypatch):
 
 #: Entries of a file, of its first dof and of its first edit that damage it.
 OF_SET = [{"format": "other"}, {"version": 99}, {"version": "1"}, {"sees": "everything"}, {"dofs": []}]
-OF_SET += [{"excitation": [0]}, {"edits": 3}]
+OF_SET += [{"excitation": [0, 4]}, {"edits": 3}]
 OF_DOF = [{"freq_hz": [1.0, None]}, {"freq_hz": [-1.0, 2.0]}, {"damping_ratio": [0.1]}, {"left_out": [1.0]}]
 OF_DOF += [{"left_out": {"freq_hz": [-1.0]}}, {"unexplained_hz": [0.0]}, {"unexplained_hz": "x"}]
 OF_DOF += [{"scores": {"rows": [1]}}]
@@ -270,3 +271,80 @@ def test_files_of_older_versions_are_read_with_every_number_and_edit():
     assert found.original()[2].size == found[2].size + 1
     assert json.loads(found.to_json()) == json.loads(FILE.read_text())
     assert (found.sees, dict(found.left_out), dict(found.unexplained_hz)) == (None, {}, {})
+
+
+# -- Several forces
+
+
+def of_two_forces() -> ar.AntiresonanceSet:
+    """Pairs given in any order; the deviation of one of them."""
+    values = {(5, 1): [58.5, 36.2], (1, 2): [9.0], (0, 2): []}
+    return ar.AntiresonanceSet([4, 0], values, std_hz={(1, 5): [0.2, 0.1]}, channels=range(6))
+
+
+def test_several_forces_have_tuples_for_keys_in_one_order():
+    zeros = of_two_forces()
+    assert zeros.order == 2
+    assert zeros.excitation == (0, 4)
+    assert list(zeros) == [(1, 5), (1, 2), (0, 2)]
+    assert zeros[5, 1].tolist() == zeros[[1, 5]].tolist() == [36.2, 58.5]
+    assert (2, 0) in zeros
+    assert (3, 4) not in zeros
+    assert zeros.std_hz[1, 5].tolist() == [0.1, 0.2]
+    assert ar.AntiresonanceSet([3], {(2,): [1.0]}) == ar.AntiresonanceSet(3, {2: [1.0]})
+    named = ar.AntiresonanceSet(["tip", "base"], {("b", "a"): [1.0]}, channels=["a", "b", "c"])
+    assert list(named) == [("a", "b")]
+    assert named.channels == ("a", "b", "c")
+
+
+def test_several_forces_print_without_parentheses():
+    head, names, first, *_ = str(of_two_forces()).splitlines()
+    assert head == "antiresonances, forces at 0, 4"
+    assert names.split() == ["dof", "freq_hz", "std_hz"]
+    assert first.split() == ["1,", "5", "36.200", "0.100"]
+
+
+def test_several_forces_come_back_from_a_file_and_a_pickle():
+    zeros = of_two_forces().drop((5, 1), 36.2, reason="hum").add((2, 0), 7.0)
+    again = ar.AntiresonanceSet.from_json(zeros.to_json())
+    assert again == zeros == pickle.loads(pickle.dumps(zeros))
+    assert again.to_json() == zeros.to_json()
+    assert again.edits == zeros.edits
+    assert again.original() == of_two_forces()
+    assert again.channels == tuple(range(6))
+
+
+def test_several_forces_are_compared_followed_and_joined():
+    before = of_two_forces()
+    after = before.add((0, 2), 7.0)
+    found = ar.compare(before, after)
+    assert found.dof.tolist() == [(1, 5), (1, 5), (1, 2)]
+    assert {dof: own.tolist() for dof, own in found.unmatched_b.items()} == {(0, 2): [7.0]}
+    tracks = ar.track([before, after, before])
+    assert tracks.of((1, 5)).tolist() == [0, 1]
+    assert tracks.to_dataframe()["dof"].tolist()[:3] == ["1, 5", "1, 5", "1, 2"]
+    moved = before.relabelled([0, 4], {i: i + 6 for i in range(6)})
+    assert ar.merge_setups([before, moved], check="off").order == 2
+
+
+def test_minors_are_reciprocal_when_a_hammer_roves():
+    other = ar.AntiresonanceSet([1, 2], {(1, 5): [9.0]})
+    joined = ar.merge_setups([of_two_forces(), other], excitation=[5, 1], check="off")
+    assert {key: own.tolist() for key, own in joined.items()} == {(0, 4): [36.2, 58.5], (1, 2): [9.0]}
+
+
+@pytest.mark.parametrize(
+    ("excitation", "values", "said"),
+    [
+        ([0, 0], {(1, 2): 3.0}, "the same dof twice"),
+        ([0, 4], {1: 3.0}, "1 dof; wanted 2 responses for 2 forces"),
+        (0, {(1, 2): 3.0}, "2 dofs; wanted 1 response for 1 force"),
+        ([0, 4], {(1, 1): 3.0}, "the same dof twice"),
+        ([0, 4], {(1, 2): 3.0, (2, 1): 4.0}, "more than once"),
+        ([], {1: 3.0}, "without a dof"),
+        ([0, 4.5], {(1, 2): 3.0}, "named by an integer or a string"),
+    ],
+)
+def test_what_is_no_set_of_several_forces_is_refused(excitation, values, said):
+    with pytest.raises(ar.InvalidInputError, match=said):
+        ar.AntiresonanceSet(excitation, values)

@@ -287,3 +287,15 @@ def test_killed_before_any_change_on_the_disk(tmp_path, scenario):
     found = json.loads(done.stdout)
     assert found["points"] >= 6
     assert found["wrong"] == {}
+
+
+def test_sets_of_several_forces_are_kept(store):
+    one = ar.AntiresonanceSet([0, 4], {(1, 5): [36.2, 58.5], (0, 2): []}, channels=range(6))
+    series = ar.Series.from_sets([one, one.add((0, 2), 7.0)], names=["x", "y"])
+    series.save(store)
+    again = ar.Series.load(store)
+    assert again == series
+    assert again.excitation == (0, 4)
+    assert again.dofs == ((1, 5), (0, 2))
+    assert list(again[0]) == [(1, 5), (0, 2)]
+    assert again.tracks().to_dataframe()["dof"].tolist()[0] == "1, 5"

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from ..exceptions import AntiresError
+from ..measured.response_table import forces_at
 from ..signals.repeats import one_source
 from .live_canvas import require_bokeh
 from .page_session import Session, SetView, View
@@ -174,5 +175,5 @@ def of_set(
     given, signal = dict(options), None if source is None else one_source(source)
     own = {name: given.pop(name, None) for name in ("band_hz", "max_order")}
     session = Session(zeros, signal, **own, options=given, save_to=save_to)
-    title = f"antiresonances, force at {zeros.excitation}"
+    title = f"antiresonances, {forces_at(zeros.excitation)}"
     return opened(lambda: SetView(session, title), title, wait=wait, browser=browser)

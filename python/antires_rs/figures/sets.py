@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..exceptions import reject
+from ..measured.response_table import forces_at
 from .canvas import draw, new_axes
 from .live_canvas import explored, stacked
 from .marks import Axis, Bands, Heads, Line, Mark, Panel, Points, Rules, turn
@@ -98,7 +99,7 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, ax: Any = None) -> Any:
         marks.append(Points(x[rank], change[rank, i], marker, 4.5, look["colour"], **more))
     x_axis = Axis("Test" if counted else "Condition", names=None if numeric else tracks.conditions)
     y_axis = Axis("Change since its first test (%)")
-    title = f"Response at dof {dof}, force at {tracks.excitation}"
+    title = f"Response at dof {dof}, {forces_at(tracks.excitation)}"
     panel = Panel("tracks", x_axis, y_axis, marks, title=title, grid="both", first=names)
     turned = not numeric and len("".join(tracks.conditions)) > ROOM
     ax = draw(panel, new_axes(ax, (7.5, 4.5)), drop_pt=62.0 if turned else 36.0)

@@ -32,13 +32,14 @@ from ..exceptions import InvalidInputError, NumericalError, UnsuitableDataError,
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.matching import check_set
 from ..measured.merge import merge_setups
-from ..measured.response_table import ResponseTable, label
+from ..measured.response_table import Dofs, ResponseTable, force_label, key_of
 from ..signals.averaging import Averages, average, drifts
-from ..signals.data_check import judged
+from ..signals.data_check import judged, judged_together
 from ..signals.frequency_response import FrequencyResponse, band_of
 from ..signals.one_force import DataCheck
 from ..signals.recording import Recording, without_force
 from ..signals.repeats import AveragedResponse, one_source
+from ..signals.spectra import dominant
 from ..support.checks import FloatArray
 from ..support.messages import warn
 from ..support.options import gathered
@@ -47,6 +48,7 @@ from ..support.values import frozen
 from .following import look_of, tables_of, with_search
 from .lines import FORCE, Lines, lines_of
 from .local_fits import LEAST_LINES
+from .minors import MinorResponse, MinorsOfRecord, minors_of_curves
 from .numerators import (
     CLEAN,
     LARGEST_AHEAD,
@@ -72,7 +74,7 @@ from .options import (
 from .paper import sweep_of
 from .scores import graded, of_lost_channels, scored, unexplained, with_second, without_common
 from .selection import likeliest_of, select
-from .stability import Look, direction_diagrams, looks_of
+from .stability import Directions, Look, direction_diagrams, looks_of
 from .stabilization import PoleSweep, StabilizationDiagram, ZeroSweep, add_persistent, diagram, join, windows
 from .windows import HIGHEST_ORDER, LINES_PER_ORDER, SCALES, local_diagrams
 
@@ -251,12 +253,14 @@ def identify_antiresonances(
     source : Recording or FrequencyResponse, or a list of either
         Time records, FRFs of one excitation, or transmissibilities to one reference. A list holds repeats of
         one test, see Notes.
-    excitation : int or str
-        The dof of the single force. It need not be among the channels.
+    excitation : int or str, or a list of them
+        The dof of the single force. It need not be among the channels. Several dofs of unknown forces that
+        act at once, not all in proportion, see Notes.
     band_hz : (low, high)
         Lines that are fitted and values that are kept.
     dofs : iterable, optional
-        Dofs whose antiresonances are wanted; all channels are used in any case. Default: all.
+        Dofs whose antiresonances are wanted; all channels are used in any case. Default: all. Of r forces
+        sets of r dofs.
     route : {"transmissibility", "frf"}
         Poles of the transmissibilities (the force is never read), or zeros of the jointly fitted FRFs.
     nperseg : int, optional
@@ -339,10 +343,9 @@ def identify_antiresonances(
         preset=preset, route=route, estimator=estimator, nperseg=nperseg, max_order=max_order, check=check
     )
     options = options_of(call, fit)
-    one: Recording | FrequencyResponse = one_source(source)
+    excitation = force_label("excitation", excitation)
+    one: Recording | FrequencyResponse = _source_of(source, excitation, options)
     band = band_of(one, band_hz)
-    excitation = label("excitation", excitation)
-    wanted = _wanted_dofs(dofs, one.dofs)
     if not options.use_force and len(one.dofs) < 2:
         needed = "two or more for the route 'transmissibility', whose poles are the antiresonances"
         remedy = "Add a channel, or measure the force and take the route 'frf'."
@@ -354,7 +357,11 @@ def identify_antiresonances(
     averages = None
     if isinstance(one, Recording):
         averages = average(one, band, options.averaging, include_force=options.use_force)
-    lines_for = lines_of(one, averages, band, use_force=options.use_force, estimator=options.call.estimator)
+    parts = _parts(one, averages, excitation, band, options)
+    known = tuple(dict.fromkeys(dof for part in parts for dof in part.dofs))
+    channels = _channels_of(one)
+    wanted = _wanted_dofs(dofs, known, excitation, channels)
+    lines_for = parts[0].lines_for
     if near is not None:
         check_set("near", near)
         of_same_force(near, excitation)
@@ -373,7 +380,7 @@ def identify_antiresonances(
             others = sorted(options.given - {*OF_FOLLOWING})
             idle = [name for name in others if near.options.get(name) != held[name]]
             _say_idle(idle, "values that are followed (near=) without a search for new ones", OF_FOLLOWING)
-        return _followed(near, searched, one, averages, lines_for, excitation, wanted, band, options)
+        return _followed(near, searched, one, averages, parts, excitation, wanted, band, options)
     drifting = averages is not None and averages.nperseg is None and drifts(averages.rec, band)
     options, fits, misfit = settled(
         options, lines_for(0), band, of_curves=averages is None, drifting=drifting
@@ -381,10 +388,17 @@ def identify_antiresonances(
     step("checking the data")
     checked = _checked(one, excitation, band, averages, options)
     step("fit")
-    looks: list[Look] = []
-    if options.formulation == "directions":
-        looks, options = _looks(one, averages, band, options, asked="formulation" in fit.given)
-    diagrams = of_lost_channels(diagrams_of(one.dofs, lines_for, band, options, looks, fits), checked)
+    diagrams: dict[Any, StabilizationDiagram] = {}
+    for part in parts:
+        if part is not parts[0] and not {*part.dofs} & {*wanted}:
+            continue
+        looks: list[Look] = []
+        if options.formulation == "directions":
+            asked = "formulation" in fit.given
+            looks, options = _looks(one, averages, band, options, part, asked=asked)
+        of_part = fits if part is parts[0] else []
+        diagrams = diagrams_of(part.dofs, part.lines_for, band, options, looks, of_part) | diagrams
+    diagrams = of_lost_channels(diagrams, checked)
     found = {dof: diagrams[dof] for dof in wanted}
     of_numerators = options.formulation == "numerators"
     lost = checked is not None and checked.fatal
@@ -398,13 +412,13 @@ def identify_antiresonances(
         )
     tables = {dof: graded(d.accepted) if of_numerators else d.accepted for dof, d in found.items()}
     tables = {dof: with_second(table, checked) for dof, table in tables.items()}
-    known = None  # what the standard deviations rest on
+    behind = None  # what the standard deviations rest on
     if isinstance(one, AveragedResponse):
-        known = freedom(len(one.runs))
+        behind = freedom(len(one.runs))
     elif averages is not None and of_numerators:
-        known = independent_averages(averages.spectra)
-    if known is not None:
-        tables = {dof: t.with_scores(averages=np.full(len(t), known)) for dof, t in tables.items()}
+        behind = independent_averages(averages.spectra)
+    if behind is not None:
+        tables = {dof: t.with_scores(averages=np.full(len(t), behind)) for dof, t in tables.items()}
     held_back = {} if misfit is None else {"held_back_misfit": float(f"{misfit:.3g}")}
     of_size = options.formulation == "windows" and lines_for(0).size is not None
     return AntiresonanceSet.from_tables(
@@ -413,7 +427,7 @@ def identify_antiresonances(
         diagrams=found,
         data_check=checked,
         sees="frf" if options.use_force or of_size else "transmissibility",
-        channels=one.dofs,
+        channels=channels,
         options={**_made_of(one, band), **options.values(), **held_back},
     )
 
@@ -433,6 +447,7 @@ def _looks(
     averages: Averages | None,
     band: tuple[float, float],
     options: IdentificationOptions,
+    part: _Part,
     *,
     asked: bool,
 ) -> tuple[list[Look], IdentificationOptions]:
@@ -441,7 +456,7 @@ def _looks(
         strange = "'directions' for curves or the route 'frf'"
         needed = "a Recording, and the route 'transmissibility'"
         reject("formulation", strange, needed, "Take 'windows' for curves, 'numerators' for the route 'frf'.")
-    looks = looks_of(averages, band)
+    looks = looks_of(averages, band, part.directions)
     if looks:
         return looks, options
     if asked:
@@ -455,7 +470,7 @@ def _followed(
     searched: AntiresonanceSet | None,
     source: Recording | FrequencyResponse,
     averages: Averages | None,
-    lines_for: Callable[[int], Lines],
+    parts: Sequence[_Part],
     excitation: Any,
     wanted: tuple[Any, ...],
     band: tuple[float, float],
@@ -465,11 +480,18 @@ def _followed(
     step("checking the data")
     checked = _checked(source, excitation, band, averages, options)
     step("following")
-    looks: list[Look] = []
-    if isinstance(source, Recording) and averages is not None and not options.use_force:
-        looks = looks_of(averages, band, one=True)
-    look = looks[0] if looks else look_of(lines_for(FORCE if options.use_force else 0))
-    tables, gone = tables_of(look, source.dofs, near, band, options.rule.min_share)
+    tables: dict[Any, ResponseTable] = {}
+    gone: dict[Any, ResponseTable] = {}
+    several = len(parts) > 1
+    for part in parts:
+        if several and not any(dof in near and dof not in tables for dof in part.dofs):
+            continue
+        looks: list[Look] = []
+        if isinstance(source, Recording) and averages is not None and not options.use_force:
+            looks = looks_of(averages, band, part.directions, one=True)
+        look = looks[0] if looks else look_of(part.lines_for(FORCE if options.use_force else 0))
+        seen, unseen = tables_of(look, part.dofs, near, band, options.rule.min_share)
+        tables, gone = seen | tables, unseen | gone
     if searched is not None:
         better = searched.options["fitted"] == "numerators"
         tables = with_search(tables, searched, better=better, new=options.rule.new_values)
@@ -482,9 +504,67 @@ def _followed(
         left_out={dof: gone.get(dof, ResponseTable(np.empty(0))) for dof in wanted if dof in tables},
         data_check=checked,
         sees="frf" if options.use_force or of_size else "transmissibility",
-        channels=source.dofs,
+        channels=_channels_of(source),
         options={**_made_of(source, band), **options.values(), "fitted": "followed"},
     )
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Responses that are fitted together: their names, their lines, and their directions in other spectra."""
+
+    dofs: tuple[Any, ...]
+    lines_for: Callable[[int], Lines]
+    directions: Directions = dominant
+
+
+def _parts(
+    source: Recording | FrequencyResponse,
+    averages: Averages | None,
+    excitation: Any,
+    band: tuple[float, float],
+    options: IdentificationOptions,
+) -> list[_Part]:
+    """All responses to one force; the minors of several in as many parts as one fit can hold."""
+    use_force, estimator = options.use_force, options.call.estimator
+
+    def of(some: Recording | FrequencyResponse) -> Callable[[int], Lines]:
+        return lines_of(some, averages, band, use_force=use_force, estimator=estimator)
+
+    if not isinstance(excitation, Dofs):
+        return [_Part(source.dofs, of(source))]
+    if isinstance(source, MinorResponse):
+        some = [source.rows(rows) for rows in source.groups]
+        return [_Part(each.dofs, of(each)) for each in some]
+    assert isinstance(source, Recording)
+    assert averages is not None
+    minors = MinorsOfRecord(source, averages, len(excitation))
+    return [
+        _Part(tuple(minors.dofs[k] for k in group), minors.lines_of(group), minors.directions_of(group))
+        for group in minors.groups
+    ]
+
+
+def _channels_of(source: Recording | FrequencyResponse) -> tuple[Any, ...]:
+    """All responses that were measured."""
+    return source.columns[0].dofs if isinstance(source, MinorResponse) else source.dofs
+
+
+def _source_of(source: Any, excitation: Any, options: IdentificationOptions) -> Any:
+    """One source of what was given: repeats joined, of several forces the curves of each."""
+    if not isinstance(excitation, Dofs):
+        return one_source(source)
+    if options.call.estimator != "rank1":
+        got = f"{options.call.estimator!r} for several forces"
+        remedy = "Leave it out: two-channel estimators hold one force alone."
+        reject("estimator", got, "'rank1', the dominant subspace of all channels", remedy)
+    if options.use_force:
+        got, needed = "'frf' for several forces", "'transmissibility', which needs none of them"
+        remedy = "Give FRFs measured one force after the other as a list; their minors are compared."
+        reject("route", got, needed, remedy)
+    first = source[0] if isinstance(source, list | tuple) and source else source
+    curves = isinstance(first, FrequencyResponse)
+    return minors_of_curves(source, len(excitation)) if curves else one_source(source)
 
 
 def of_same_force(near: AntiresonanceSet, excitation: Any) -> None:
@@ -515,7 +595,10 @@ def _checked(
         return None
     if not options.use_force and isinstance(source, Recording):
         source = without_force(source)
-    checked = judged(source, excitation, band, options.averaging, averages)
+    if isinstance(source, MinorResponse):
+        checked = judged_together(source.columns, band, options.averaging)
+    else:
+        checked = judged(source, excitation, band, options.averaging, averages)
     if options.call.check == "raise" and checked.fatal:
         fatal = [f for f in checked.findings if f.severity == "fatal"]
         got = "data in which the check finds: " + " ".join(f.text for f in fatal).rstrip(".")
@@ -527,14 +610,18 @@ def _checked(
     return checked
 
 
-def _wanted_dofs(dofs: Iterable[Any] | None, known: tuple[Any, ...]) -> tuple[Any, ...]:
-    """The dofs asked for, all of them channels of the source."""
+def _wanted_dofs(
+    dofs: Iterable[Any] | None, known: tuple[Any, ...], excitation: Any, channels: tuple[Any, ...]
+) -> tuple[Any, ...]:
+    """The dofs asked for, all of them channels of the source, or sets of them."""
     if dofs is None:
         return known
     wanted = f"dofs out of {known}"
     if isinstance(dofs, str | bytes) or not isinstance(dofs, Iterable):
         reject("dofs", dofs, f"a list of {wanted}", "Put the dofs in a list, such as dofs=[0, 1].")
     named = list(dofs)
+    if isinstance(excitation, Dofs):
+        named = [key_of(excitation, (), channels)("dofs", dof) for dof in named]
     strange = [dof for dof in named if dof not in known]
     if strange or not named:
         remedy = "Name dofs of the source, or leave dofs out for all."

@@ -49,7 +49,8 @@ class Lines:
     belong; None for one record. ``size`` is what the vectors were divided by, where that is a property of the
     structure: the norm of measured FRFs or of the responses to one impact. ``noise_given``: the
     signal-to-noise ratio came with the curves. ``runs`` are the unit vectors of each of several tests whose
-    average the vectors are, scaled alike, (n_freq, n_rows, n_tests).
+    average the vectors are, scaled alike, (n_freq, n_rows, n_tests). Lines below ``least_snr`` hold no
+    direction by which a fit may be judged.
     """
 
     freq_hz: FloatArray
@@ -63,6 +64,7 @@ class Lines:
     size: FloatArray | None = None
     noise_given: bool = False
     runs: ComplexArray | None = None
+    least_snr: float = 0.0
 
     def part(self, first: int, last: int) -> Lines:
         """Some of the lines."""

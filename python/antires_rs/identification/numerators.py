@@ -571,4 +571,5 @@ def _off(lines: Lines, best: Likeliest) -> FloatArray:
     snr = largest / np.maximum(rest, 1e-12 * largest)
     count = x.shape[2] // 2 / lines.averages_ratio / max(n.shape[1] - 1, 1)
     distance = 1.0 - np.abs(np.sum(n.conj() * v, axis=1)) ** 2
-    return np.asarray(distance * snr / (1.0 + snr / SNR_CAP) * count)
+    told = lines.snr[part] >= lines.least_snr
+    return np.asarray(distance * snr / (1.0 + snr / SNR_CAP) * count)[told]

@@ -30,7 +30,7 @@ Samworth, J. R. Stat. Soc. B 75 (2013) 55-80 (complementary pairs).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,16 +92,26 @@ class Look:
     own_range: bool = False
 
 
-def looks_of(averages: Averages, band_hz: tuple[float, float], *, one: bool = False) -> list[Look]:
+#: Of spectra and the scale of the channels: largest eigenvalue, mean of the others and direction, by line.
+Directions = Callable[[ComplexArray, FloatArray], tuple[FloatArray, FloatArray, ComplexArray]]
+
+
+def looks_of(
+    averages: Averages, band_hz: tuple[float, float], directions: Directions = dominant, *, one: bool = False
+) -> list[Look]:
     """Looks at a record, or ``one`` for all of the band, but for those of too few lines; none may be left."""
     rng, rec = np.random.default_rng(SEED), averages.rec
     if averages.nperseg is None:
-        return _of_impacts(rec, band_hz, averages.hum, rng, one=one)
+        return _of_impacts(rec, band_hz, averages.hum, directions, rng, one=one)
     given = averages.options.window
     window = given if isinstance(given, str | tuple) else "hann"
     longest = averages.options.nperseg or look_samples(rec, band_hz)
     made = [
-        _of_segments(beside(cross_spectra(rec, nperseg=n, window=window, band_hz=band_hz), averages.hum), rng)
+        _of_segments(
+            beside(cross_spectra(rec, nperseg=n, window=window, band_hz=band_hz), averages.hum),
+            directions,
+            rng,
+        )
         for n in (longest, longest // 2, longest // 4)[: 1 if one else None]
         if n * (band_hz[1] - band_hz[0]) >= 2 * LEAST_LINES * rec.fs_hz
     ]
@@ -118,10 +128,10 @@ def look_samples(rec: Recording, band_hz: tuple[float, float]) -> int:
     return max(16, 1 << int(np.log2(max(min(wanted * np.sqrt(2.0), most), 16.0))))
 
 
-def _of_segments(spectra: CrossSpectra, rng: np.random.Generator) -> Look:
+def _of_segments(spectra: CrossSpectra, directions: Directions, rng: np.random.Generator) -> Look:
     assert spectra.segments is not None
     scale = channel_noise(spectra.matrix, spectra.noise_power)
-    largest, rest, first = dominant(spectra.matrix, scale)
+    largest, rest, first = directions(spectra.matrix, scale)
     snr = largest / np.maximum(rest, 1e-12 * largest)
     vectors = [first]
     parts = np.array_split(np.arange(spectra.n_averages), min(spectra.n_averages, GROUPS))
@@ -135,14 +145,20 @@ def _of_segments(spectra: CrossSpectra, rng: np.random.Generator) -> Look:
         for _ in range(VIEWS // 2):
             drawn = rng.permutation(count)
             for half in (drawn[: count // 2], drawn[count // 2 :]):
-                vectors.append(dominant(np.sum([sums[g] for g in half], axis=0), scale)[2])
+                vectors.append(directions(np.sum([sums[g] for g in half], axis=0), scale)[2])
     stacked = np.array(vectors)
     stacked[1:] = leave_out(stacked[1:])
     return Look(spectra.freq_hz, stacked, snr / (1.0 + snr / SNR_CAP), np.zeros(first.shape))
 
 
 def _of_impacts(
-    rec: Recording, band_hz: tuple[float, float], hum: Hum | None, rng: np.random.Generator, *, one: bool
+    rec: Recording,
+    band_hz: tuple[float, float],
+    hum: Hum | None,
+    directions: Directions,
+    rng: np.random.Generator,
+    *,
+    one: bool,
 ) -> list[Look]:
     """Decays from the impact on in exponential windows, each over the frequencies that its length suits.
 
@@ -168,7 +184,7 @@ def _of_impacts(
             (own, (low_hz if own == longest else least / own, min(band_hz[1], most / own))) for own in lengths
         ]
     looks = [
-        _of_decays(rec.fs_hz, cut, floors, own, (max(low, low_hz), high), hum, band_hz[1], rng)
+        _of_decays(rec.fs_hz, cut, floors, own, (max(low, low_hz), high), hum, band_hz[1], directions, rng)
         for own, (low, high) in windows
     ]
     return [look for look in looks if look is not None]
@@ -182,6 +198,7 @@ def _of_decays(
     band_hz: tuple[float, float],
     hum: Hum | None,
     highest_hz: float,
+    directions: Directions,
     rng: np.random.Generator,
 ) -> Look | None:
     """One window from before the impacts on, as far as the mean taken off reaches; None of too few lines."""
@@ -208,13 +225,13 @@ def _of_decays(
     )
     noise = (noise * np.sum(taper**2)).T
     scale = np.median(noise, axis=0)
-    largest, _, first = dominant(Segments.of(spectra).matrix, scale)
+    largest, _, first = directions(Segments.of(spectra).matrix, scale)
     vectors = [first]
     if len(each) >= LEAST_GROUPS:
         for _ in range(VIEWS // 2):
             drawn = rng.permutation(len(each))
             for half in (drawn[: len(each) // 2], drawn[len(each) // 2 :]):
-                vectors.append(dominant(Segments.of(spectra[:, :, half]).matrix, scale)[2])
+                vectors.append(directions(Segments.of(spectra[:, :, half]).matrix, scale)[2])
     own_noise = noise / scale / len(each)
     snr = largest / np.maximum(own_noise.mean(axis=1), 1e-300)
     stacked = np.array(vectors)

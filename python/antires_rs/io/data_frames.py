@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import fields
 from functools import partial
 from importlib import import_module
@@ -13,6 +14,7 @@ from ..damage.hypotheses import Hypotheses, Hypothesis
 from ..measured.antiresonance_set import NOT_SEEN, AntiresonanceSet
 from ..measured.compare import Comparison
 from ..measured.edits import BY_HAND
+from ..measured.response_table import Dofs, label_array
 from ..measured.track import Tracks
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
@@ -55,7 +57,7 @@ def rows_of(found: AntiresonanceSet) -> tuple[list[str], list[dict[str, Any]]]:
     rows: list[dict[str, Any]] = []
     for dof, table in found.tables.items():
         for i, freq in enumerate(table.freq_hz.tolist()):
-            row = {"dof": dof, "freq_hz": freq, "damping_ratio": float(table.damping_ratio[i])}
+            row = {"dof": Dofs.cell(dof), "freq_hz": freq, "damping_ratio": float(table.damping_ratio[i])}
             row |= {"std_hz": float(table.std_hz[i])}
             row |= {"source": BY_HAND if table.by_hand[i] else "identified"}
             row |= {name: table.scores[name][i].item() if name in table.scores else None for name in scores}
@@ -66,7 +68,7 @@ def rows_of(found: AntiresonanceSet) -> tuple[list[str], list[dict[str, Any]]]:
         gone = found.left_out.get(dof, table)
         for i in np.flatnonzero(np.isin(gone.scores.get("why", []), NOT_SEEN)).tolist():
             of_which = {"followed": gone.scores["followed"][i].item(), "status": "not seen"}
-            rows.append({"dof": dof, "freq_hz": np.nan, "source": "identified", **of_which})
+            rows.append({"dof": Dofs.cell(dof), "freq_hz": np.nan, "source": "identified", **of_which})
     known = ["dof", "freq_hz", "damping_ratio", "std_hz", "source", *(["status"] if followed else [])]
     return [*known, *scores], rows
 
@@ -75,8 +77,7 @@ def to_xarray(source: Recording | FrequencyResponse | AntiresonanceSet) -> Any:
     """An xarray.Dataset with dofs and time, frequency or rank as coordinates."""
     xr = _xarray()
     dofs = list(source if isinstance(source, AntiresonanceSet) else source.dofs)
-    labels = np.empty(len(dofs), dtype=object)  # whole numbers and text, which numpy would make text
-    labels[:] = dofs
+    labels = _cells(dofs)
     if isinstance(source, Recording):
         data: dict[str, Any] = {"responses": (("dof", "time_s"), np.array(source.responses))}
         if source.force is not None:
@@ -96,7 +97,14 @@ def to_xarray(source: Recording | FrequencyResponse | AntiresonanceSet) -> Any:
         for name, column in source.columns(dof).items():
             padded[name][i, : column.size] = column
     data = {name: (("dof", "rank"), rows) for name, rows in padded.items()}
-    return xr.Dataset(data, {"dof": labels, "rank": np.arange(longest)}, {"excitation": source.excitation})
+    return xr.Dataset(
+        data, {"dof": labels, "rank": np.arange(longest)}, {"excitation": Dofs.cell(source.excitation)}
+    )
+
+
+def _cells(labels: Iterable[Any]) -> Any:
+    """Whole numbers and text side by side, which numpy would make text; several dofs are text."""
+    return np.array(label_array([Dofs.cell(dof) for dof in labels]))
 
 
 def _instants(rec: Recording) -> Any:
@@ -113,14 +121,15 @@ _ALL_PAIRS = ("excitation", "chi_square", "freedom", "p_all", "alpha")  # what a
 
 def comparison_frame(compared: Comparison) -> Any:
     """A pandas.DataFrame, one row a pair."""
-    return _pandas().DataFrame({name: np.array(getattr(compared, name)) for name in _PAIRS})
+    columns = {name: np.array(getattr(compared, name)) for name in _PAIRS}
+    return _pandas().DataFrame(columns | {"dof": _cells(compared.dof)})
 
 
 def comparison_dataset(compared: Comparison) -> Any:
     """An xarray.Dataset over the pairs."""
-    columns = {name: (("pair",), np.array(getattr(compared, name))) for name in _PAIRS}
-    over = {"dof": columns.pop("dof")}
-    return _xarray().Dataset(columns, over, {name: getattr(compared, name) for name in _ALL_PAIRS})
+    columns = {name: (("pair",), np.array(getattr(compared, name))) for name in _PAIRS if name != "dof"}
+    over = {"dof": (("pair",), _cells(compared.dof))}
+    return _xarray().Dataset(columns, over, {n: Dofs.cell(getattr(compared, n)) for n in _ALL_PAIRS})
 
 
 def intervals_frame(found: ParameterIntervals) -> Any:
@@ -140,7 +149,7 @@ def tracks_frame(tracks: Tracks) -> Any:
     change, rows = tracks.change_percent, []
     for test, condition in enumerate(tracks.conditions):
         for i in range(len(tracks)):
-            row = {"test": test, "condition": condition, "dof": tracks.dof[i], "track": i}
+            row = {"test": test, "condition": condition, "dof": Dofs.cell(tracks.dof[i]), "track": i}
             row |= {"freq_hz": tracks.freq_hz[test, i], "std_hz": tracks.std_hz[test, i]}
             rows.append(row | {"change_percent": change[test, i], "event": events.get((test, i), "")})
     return _pandas().DataFrame(rows)
@@ -151,6 +160,6 @@ def tracks_dataset(tracks: Tracks) -> Any:
     names = ("freq_hz", "std_hz", "change_percent")
     data = {name: (("test", "track"), np.array(getattr(tracks, name))) for name in names}
     over: dict[str, Any] = {"test": np.arange(len(tracks.conditions))}
-    over["dof"] = (("track",), np.array(tracks.dof))
+    over["dof"] = (("track",), _cells(tracks.dof))
     over["condition"] = (("test",), np.array(tracks.conditions))
-    return _xarray().Dataset(data, over, {"excitation": tracks.excitation})
+    return _xarray().Dataset(data, over, {"excitation": Dofs.cell(tracks.excitation)})

@@ -1,4 +1,4 @@
-"""The antiresonances of a structure under one force: what identification hands to updating."""
+"""The antiresonances of a structure under one force or several: what identification hands to updating."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import copy
 import json
 import os
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
@@ -14,13 +14,25 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import InvalidInputError, reject
+from ..exceptions import InvalidInputError, Name, reject
 from ..support.checks import FloatArray, choice
 from ..support.files import write_atomically
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
 from .edits import BY_HAND, Edit, added, dropped, edit_of, marked
-from .response_table import NUMBERS, ResponseTable, doubts_of, frequencies_hz, label, tables_of
+from .response_table import (
+    NUMBERS,
+    Dofs,
+    ResponseTable,
+    check_frequencies,
+    doubts_of,
+    force_label,
+    forces_at,
+    frequencies_hz,
+    key_of,
+    label,
+    tables_of,
+)
 
 if TYPE_CHECKING:
     from ..signals.one_force import DataCheck
@@ -75,9 +87,10 @@ def _rows_printed(tables: Mapping[Any, ResponseTable]) -> list[str]:
 
 
 # -- A set as JSON: version 1 has excitation and, by dof, the columns; version 2 the scores, the edits made by
-# hand, and the values before the first of them; the rest is optional
+# hand, and the values before the first of them; version 3, of several forces, lists in place of dofs; the
+# rest is optional
 
-FORMAT, VERSION = "antires_rs.AntiresonanceSet", 2
+FORMAT, VERSION, OF_ONE_FORCE = "antires_rs.AntiresonanceSet", 3, 2
 _WANTED = f"a file written by AntiresonanceSet.save, version {VERSION} or older"
 _ANOTHER = "It was cut, or is another file: save the set again, or name the file that holds it."
 
@@ -102,11 +115,11 @@ def _row(table: ResponseTable) -> dict[str, Any]:
     return known | ({"scores": plain(table.scores)} if table.scores else {})
 
 
-def _read(rows: Any) -> dict[Any, ResponseTable]:
+def _read(rows: Any, named: Callable[[Name, Any], Any]) -> dict[Any, ResponseTable]:
     """Tables by dof."""
     out: dict[str, dict[Any, Any]] = {name: {} for name in (*NUMBERS, "scores")}
     for row in rows:
-        dof = row["dof"]
+        dof = Dofs.of_file(row["dof"])
         if dof in out["freq_hz"]:
             raise ValueError(f"dof {dof!r} more than once")
         out["freq_hz"][dof] = row["freq_hz"]
@@ -115,7 +128,8 @@ def _read(rows: Any) -> dict[Any, ResponseTable]:
                 out[name][dof] = [np.nan if v is None else v for v in row[name]]
         if "scores" in row:
             out["scores"][dof] = {name: _column(values) for name, values in row["scores"].items()}
-    return tables_of(**out)
+    check_frequencies(out["freq_hz"])
+    return tables_of(**out, named=named)
 
 
 def _column(values: list[Any]) -> NDArray[Any]:
@@ -126,13 +140,17 @@ def _column(values: list[Any]) -> NDArray[Any]:
     return np.array([np.nan if v is None else v for v in values], dtype=np.float64)
 
 
-def _channels_of(given: Iterable[Any] | None, dofs: tuple[Any, ...]) -> tuple[Any, ...]:
-    """All responses measured together, those with a table among them; empty if not all are known."""
-    if given is None:
-        return dofs
+def _labels_of(given: Iterable[Any]) -> tuple[Any, ...]:
+    """Channels, each once."""
     if isinstance(given, str | bytes) or not isinstance(given, Iterable):
         reject("channels", given, "a list of dofs", "Put the dofs in a list, such as channels=[0, 1].")
-    named = tuple(dict.fromkeys(label("channels", dof) for dof in given))
+    return tuple(dict.fromkeys(label("channels", dof) for dof in given))
+
+
+def _channels_of(named: tuple[Any, ...] | None, dofs: tuple[Any, ...]) -> tuple[Any, ...]:
+    """All responses measured together, those with a table among them; empty if not all are known."""
+    if named is None:
+        return dofs
     missing = [dof for dof in dofs if dof not in named]
     if named and missing:
         remedy = "Add it: it was measured too. Leave channels out if there were no others."
@@ -145,22 +163,25 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
 
     Parameters
     ----------
-    excitation : int or str
-        The dof of the force.
+    excitation : int or str, or a list of them
+        The dof of the force; of several forces that act at once all their dofs. A list of one is that one.
     freq_hz : mapping of dof to array_like
-        Antiresonances in Hz, positive, in any order; a number is a list of one, an empty list none.
+        Antiresonances in Hz, positive, in any order; a number is a list of one, an empty list none. Of r
+        forces the keys are tuples of r different response dofs, see Notes.
     damping_ratio, std_hz : mapping of dof to array_like, optional
         Of each, in the order of ``freq_hz``; NaN where not known. Dofs may be missing.
     sees : {"frf", "transmissibility", None}
         What the antiresonances were identified from, see Notes.
     channels : iterable of dof, optional
-        All responses that were measured together; default: those of ``freq_hz``. Empty where some of them
-        have no name here, see :meth:`relabelled`.
+        All responses that were measured together, a dof each; default: those of ``freq_hz``. Empty where some
+        of them have no name here, see :meth:`relabelled`.
     scores, diagrams, data_check, options : optional
         As the attributes.
 
     Attributes
     ----------
+    order : int
+        How many forces acted at once, r.
     options : dict
         How it was identified: every option by name, the band, the package's version; of a record
         "response_level", how strongly it shook, in its unit, and where it was judged "held_back_misfit", what
@@ -184,6 +205,11 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     ``sees="transmissibility"`` with the cancelled ones that not all channels share. With None, for sets made
     by hand and from older files, a cancelled root may be the partner of a value, and need not be.
 
+    Of r unknown forces that act at once the antiresonances of order r stand by sets of r responses: roots of
+    det(K - w^2 M) with the rows of the responses and the columns of the forces deleted; r = 1 is one force. A
+    key is the tuple of the responses, numbers ascending and other dofs in the order of ``channels``, and may
+    be asked for in any order; ``excitation`` is the tuple of the forces.
+
     Examples
     --------
     >>> import antires_rs as ar
@@ -193,6 +219,9 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
       0    8.700
           23.900
       2        -
+    >>> both = ar.AntiresonanceSet([0, 4], {(5, 1): [36.2, 58.5]})
+    >>> both.order, both[1, 5].tolist(), list(both)
+    (2, [36.2, 58.5], [(1, 5)])
     """
 
     excitation: Any = None
@@ -222,10 +251,16 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         options: Mapping[str, Any] | None = None,
     ) -> None:
         choice("sees", sees, ("frf", "transmissibility", None))
-        tables = tables_of(freq_hz, damping_ratio, std_hz, scores)
+        check_frequencies(freq_hz)
+        force, listed = (
+            force_label("excitation", excitation),
+            None if channels is None else _labels_of(channels),
+        )
+        named = key_of(force, freq_hz, listed or ())
+        tables = tables_of(freq_hz, damping_ratio, std_hz, scores, named)
         drawn = {dof: one for dof, one in (diagrams or {}).items() if hasattr(one, "unexplained_hz")}
-        self._fill(excitation=label("excitation", excitation), tables=FrozenDict(tables), sees=sees)
-        self._fill(channels=_channels_of(channels, tuple(tables)), options=FrozenDict(options or {}))
+        self._fill(excitation=force, tables=FrozenDict(tables), sees=sees)
+        self._fill(channels=_channels_of(listed, self._responses()), options=FrozenDict(options or {}))
         self._fill(diagrams=FrozenDict(diagrams or {}), data_check=data_check)
         for name in ("left_out", "unexplained_hz"):
             self._fill(**{name: FrozenDict({dof: getattr(one, name) for dof, one in drawn.items()})})
@@ -256,6 +291,27 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
             new._fill(_original=cls.from_tables(excitation, before, **sight))
         new._fill(tables=FrozenDict(zip(new, tables.values(), strict=True)), edits=tuple(edits))
         return new
+
+    @property
+    def order(self) -> int:
+        """How many forces acted at once: of so many dofs each key consists."""
+        return len(self.excitation) if isinstance(self.excitation, Dofs) else 1
+
+    def _responses(self) -> tuple[Any, ...]:
+        """Dofs of all keys; numbers ascend where keys have several."""
+        if self.order == 1:
+            return tuple(self.tables)
+        dofs = dict.fromkeys(dof for key in self.tables for dof in key)
+        return tuple(sorted(dofs) if all(isinstance(dof, int) for dof in dofs) else dofs)
+
+    def _key(self, dof: Any) -> Any:
+        """A key as the set has it, whose dofs may be given in any order."""
+        if self.order == 1 or not isinstance(dof, list | tuple):
+            return dof
+        given = Dofs(dof)
+        return (
+            given if given in self.tables else next((k for k in self.tables if set(k) == set(given)), given)
+        )
 
     @property
     def damping_ratio(self) -> Mapping[Any, FloatArray]:
@@ -311,14 +367,14 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
 
     def columns(self, dof: Any) -> dict[str, FloatArray]:
         """Frequency, damping ratio and standard deviation of a dof, (n,) each; NaN where not known."""
-        return {name: getattr(self.tables[dof], name) for name in NUMBERS}
+        return {name: getattr(self.tables[self._key(dof)], name) for name in NUMBERS}
 
     def by_hand(self) -> set[tuple[Any, float]]:
         """(dof, frequency in Hz) of what is there because it was added by hand."""
         return {(dof, f) for dof, one in self.tables.items() for f in one.freq_hz[one.by_hand].tolist()}
 
     def __getitem__(self, dof: Any) -> FloatArray:
-        return self.tables[dof].freq_hz
+        return self.tables[self._key(dof)].freq_hz
 
     def __iter__(self) -> Iterator[Any]:
         return iter(self.tables)
@@ -347,8 +403,8 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         return FrozenDict({dof: column for dof, column in columns.items() if not _unknown(column)})
 
     def _dof(self, dof: Any) -> Any:
-        """One of the set's dofs."""
-        dof = label("dof", dof)
+        """One of the set's keys."""
+        dof = key_of(self.excitation, self.tables, self.channels)("dof", dof)
         if dof not in self.tables:
             reject("dof", dof, f"one of {tuple(self.tables)}", "Name a dof of the set; those are its keys.")
         return dof
@@ -400,10 +456,15 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     def relabelled(self, excitation: Any, dofs: Mapping[Any, Any]) -> Self:
         """The set with other names of the dofs, in tables and edits; diagrams and checks stay behind.
 
-        Dofs that ``dofs``, the new name of each, lacks are left out; if ``channels`` are among these, what
-        all of them share cannot be told any more, and ``channels`` is empty. No dof left, or two of one name,
-        are an InvalidInputError.
+        Dofs that ``dofs``, the new name of each, lacks are left out, and the keys that hold them; if
+        ``channels`` are among these, what all of them share cannot be told any more, and ``channels`` is
+        empty. No dof left, or two of one name, are an InvalidInputError.
         """
+        channels = [dofs[dof] for dof in self.channels] if all(c in dofs for c in self.channels) else ()
+        if self.order > 1:
+            keys = [key for key in {**self.tables, **self.left_out} if all(dof in dofs for dof in key)]
+            named = key_of(force_label("excitation", excitation), keys, dofs.values())
+            dofs = {key: named("dofs", [dofs[dof] for dof in key]) for key in keys}
         kept = [dofs[dof] for dof in self if dof in dofs]
         twice = [dof for dof in kept if kept.count(dof) > 1]
         if twice:
@@ -413,7 +474,6 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         def moved(tables: Mapping[Any, Any]) -> dict[Any, Any]:
             return {dofs[dof]: table for dof, table in tables.items() if dof in dofs}
 
-        channels = [dofs[dof] for dof in self.channels] if all(c in dofs for c in self.channels) else ()
         told: dict[str, Any] = {"sees": self.sees, "channels": channels, "options": self.options}
         told |= {name: moved(getattr(self, name)) for name in ("left_out", "unexplained_hz")}
         told["edits"] = [replace(edit, dof=dofs[edit.dof]) for edit in self.edits if edit.dof in dofs]
@@ -421,7 +481,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         return self.from_tables(excitation, moved(self.tables), before=before, **told)
 
     def __str__(self) -> str:
-        lines = [f"antiresonances, force at {self.excitation}"]
+        lines = [f"antiresonances, {forces_at(self.excitation)}"]
         if self.data_check is not None:
             lines += [f"do not trust: {f.text}" for f in self.data_check.findings if f.severity == "fatal"]
         lines += _rows_printed(self.tables)
@@ -505,10 +565,11 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
 
     def to_json(self) -> str:
         """The text that :meth:`save` writes."""
-        data: dict[str, Any] = {"format": FORMAT, "version": VERSION, "excitation": self.excitation}
+        version = OF_ONE_FORCE if self.order == 1 else VERSION
+        data: dict[str, Any] = {"format": FORMAT, "version": version, "excitation": self.excitation}
         if self.sees is not None:
             data["sees"] = self.sees
-        if self.channels != tuple(self.tables):
+        if self.channels != self._responses():
             data["channels"] = list(self.channels)
         if self.options:
             data["options"] = dict(self.options)
@@ -547,21 +608,25 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         if not isinstance(data.get("version"), int) or data["version"] > VERSION:
             reject("path", f"{name!r} of version {data.get('version')!r}", _WANTED, "Update antires_rs.")
         try:
+            force, listed = force_label("excitation", data["excitation"]), data.get("channels")
+            named = key_of(force, [row["dof"] for row in data["dofs"]], listed or ())
             edits = tuple(edit_of(row) for row in data.get("edits", ()))
             left_out = [{**row["left_out"], "dof": row["dof"]} for row in data["dofs"] if "left_out" in row]
             return cls.from_tables(
-                data["excitation"],
-                {dof: marked(table, dof, edits) for dof, table in _read(data["dofs"]).items()},
+                force,
+                {dof: marked(table, dof, edits) for dof, table in _read(data["dofs"], named).items()},
                 edits=edits,
-                before=_read(data["before_edits"]) if edits else None,
-                left_out=_read(left_out) if left_out else None,
+                before=_read(data["before_edits"], named) if edits else None,
+                left_out=_read(left_out, named) if left_out else None,
                 unexplained_hz={
-                    row["dof"]: frozen(frequencies_hz(f"peaks of {row['dof']!r}", row["unexplained_hz"]))
+                    Dofs.of_file(row["dof"]): frozen(
+                        frequencies_hz(f"peaks of {row['dof']!r}", row["unexplained_hz"])
+                    )
                     for row in data["dofs"]
                     if "unexplained_hz" in row
                 },
                 sees=data.get("sees"),
-                channels=data.get("channels"),
+                channels=listed,
                 options=dict(data.get("options", {})),
             )
         except (KeyError, TypeError, ValueError, AttributeError) as exc:

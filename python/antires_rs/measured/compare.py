@@ -16,7 +16,7 @@ from ..views import Viewed
 from . import matching
 from .antiresonance_set import AntiresonanceSet, aligned, number
 from .matching import MAX_SHIFT, SeriesOfTests, check_set, variance_hz, within
-from .response_table import label_array
+from .response_table import forces_at, label_array
 
 #: Ratio of how strongly two tests shook from which amplitude is named as a reason of differences.
 OTHER_AMPLITUDE = 1.5
@@ -28,7 +28,7 @@ class Comparison(ReadOnly, Viewed):
 
     Attributes
     ----------
-    excitation : int or str
+    excitation : int, str or tuple
     dof : (n,)
         Response of each pair.
     a_hz, b_hz : (n,)
@@ -108,7 +108,7 @@ class Comparison(ReadOnly, Viewed):
             for dof, a, b, change, std, z, p, changed in zip(*columns, self.changed, strict=True)
         ]
         head = ["dof", "a_hz", "b_hz", "diff_%", "std_%", "z", "p", ""]
-        lines = [f"antiresonances compared, force at {self.excitation}", *aligned(head, rows)]
+        lines = [f"antiresonances compared, {forces_at(self.excitation)}", *aligned(head, rows)]
         for name, alone in (("a", self.unmatched_a), ("b", self.unmatched_b)):
             listed = {dof: ", ".join(f"{f:.3f}" for f in values) for dof, values in alone.items()}
             lines += [f"only in {name}: dof {dof}, {values} Hz" for dof, values in listed.items()]

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..exceptions import reject
 from ..support.values import FrozenDict
-from .response_table import ResponseTable, check_std, companion, frequencies_hz
+from .response_table import Dofs, ResponseTable, check_std, companion, frequencies_hz
 
 NAMED_WITHIN = 0.01  # distance of a frequency named by hand from the value it means, relative
 SAME = 1e-9  # values closer than this are one and the same
@@ -40,7 +40,7 @@ class Edit:
 
 def edit_of(row: dict[str, Any]) -> Edit:
     """An edit as a file has it; ValueError or TypeError for what is none."""
-    edit = Edit(**row)
+    edit = Edit(**row | {"dof": Dofs.of_file(row["dof"])})
     known = isinstance(row.get("scores", {}), dict) and isinstance(edit.reason, str)
     if edit.action not in VERBS or not known:
         raise ValueError(f"edit {row!r}")

@@ -13,7 +13,7 @@ from ..support.checks import FloatArray, choice
 from ..support.messages import warn
 from .antiresonance_set import AntiresonanceSet
 from .matching import MAX_SHIFT, averages_of, check_sets, of_all, of_each, paired, variance_hz, within
-from .response_table import ResponseTable, label
+from .response_table import ResponseTable, force_label
 
 # -- One response seen by several setups: the mean of its values, and whether they agree
 #
@@ -136,7 +136,7 @@ def merge_setups(
     ----------
     sets : list of AntiresonanceSet
         One for each setup, two or more, without edits by hand.
-    excitation : int or str, optional
+    excitation : int, str or list, optional
         Where the force is to be taken to act. Setups with that force are taken as they are, others by
         reciprocity. Default: the force of all setups, which then must be the same.
     max_shift : float
@@ -175,7 +175,7 @@ def merge_setups(
     shift, rate = within("max_shift", max_shift), within("alpha", alpha)
     between = within("std_between", std_between)
     choice("check", check, ("warn", "raise", "off"))
-    force = given[0].excitation if excitation is None else label("excitation", excitation)
+    force = given[0].excitation if excitation is None else force_label("excitation", excitation)
     shared: dict[Any, dict[int, ResponseTable]] = {}
     for number, one in enumerate(given):
         for dof, table in _tables(f"sets[{number}]", one, force, stated=excitation is not None).items():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -185,7 +185,7 @@ def doubts_of(table: ResponseTable) -> list[list[str]]:
 # -- What a caller or a file gives by dof, checked: one :class:`ResponseTable` for each response
 
 
-def label(name: str, value: Any) -> Any:
+def label(name: Name, value: Any) -> Any:
     """An integer or a string; numpy's integers become Python's."""
     if isinstance(value, np.integer):
         return int(value)
@@ -194,35 +194,124 @@ def label(name: str, value: Any) -> Any:
     return value
 
 
+class Dofs(tuple[Any, ...]):
+    """Several dofs that stand for one thing: where r forces act, or the r responses of a minor.
+
+    Examples
+    --------
+    >>> from antires_rs.measured.response_table import Dofs
+    >>> pair = Dofs([1, 5])
+    >>> str(pair), pair == (1, 5)
+    ('1, 5', True)
+    """
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return ", ".join(map(str, self))
+
+    @classmethod
+    def of_file(cls, value: Any) -> Any:
+        """A label out of JSON, where several dofs are a list."""
+        return cls(value) if isinstance(value, list) else value
+
+    @staticmethod
+    def cell(value: Any) -> Any:
+        """A label for a table of another program, where several dofs are text."""
+        return str(value) if isinstance(value, Dofs) else value
+
+
+def _members(name: Name, value: Any) -> list[Any]:
+    """The dofs of a label that may be a list of them, each once."""
+    given = value.tolist() if isinstance(value, np.ndarray) else value
+    listed = given if isinstance(given, list | tuple) else [given]
+    dofs = [label(name, dof) for dof in listed]
+    if not dofs or len(set(dofs)) < len(dofs):
+        got = f"{value!r}, the same dof twice" if dofs else f"{value!r} without a dof"
+        reject(name, got, "one dof or several different ones", "Name each place once, such as [0, 4].")
+    return dofs
+
+
+def force_label(name: Name, value: Any) -> Any:
+    """Where the force acts: a dof, of a list of one that one, of a longer list its dofs in one order."""
+    dofs = _members(name, value)
+    return dofs[0] if len(dofs) == 1 else Dofs(sorted(dofs, key=lambda dof: (isinstance(dof, str), dof)))
+
+
+def forces_at(excitation: Any) -> str:
+    """Where the force acts, or the forces act, as text."""
+    return f"force{'s' * isinstance(excitation, Dofs)} at {excitation}"
+
+
+def key_of(excitation: Any, keys: Iterable[Any], channels: Iterable[Any]) -> Callable[[Name, Any], Any]:
+    """How responses to such a force are named: a dof, or of r forces r dofs.
+
+    Numbers ascend, other dofs stand in the order of the channels, behind them of all ``keys``.
+    """
+    order = len(excitation) if isinstance(excitation, Dofs) else 1
+    named = [*channels, *(dof for key in keys if isinstance(key, list | tuple) for dof in key)]
+    rank = {dof: at for at, dof in enumerate(dict.fromkeys(named))} if order > 1 else {}
+
+    def key(name: Name, value: Any) -> Any:
+        if order == 1 and not isinstance(value, list | tuple):
+            return label(name, value)
+        dofs = _members(name, value)
+        if len(dofs) != order:
+            what, each = ("force", "response") if order == 1 else ("forces", "responses")
+            got = f"{value!r}, {len(dofs)} dof{'s' * (len(dofs) > 1)}"
+            remedy = "Name as many responses as forces act: excitation=[0, 4] goes with {(1, 5): [...]}."
+            reject(name, got, f"{order} {each} for {order} {what}", remedy)
+        if order == 1:
+            return dofs[0]
+        numbers = all(isinstance(dof, int) for dof in dofs)
+        return Dofs(sorted(dofs) if numbers else sorted(dofs, key=lambda dof: rank.get(dof, len(rank))))
+
+    return key
+
+
 def label_array(labels: Sequence[Any]) -> NDArray[Any]:
-    """Numbers and texts side by side, (n,), which numpy would make text."""
+    """Labels of any kind side by side, (n,), of which numpy would make text, or two axes."""
     array = np.empty(len(labels), dtype=object)
-    array[:] = labels
+    for at, one in enumerate(labels):
+        array[at] = one
     return frozen(array)
 
 
-def tables_of(
-    freq_hz: Any, damping_ratio: Any, std_hz: Any, scores: Mapping[Any, Mapping[str, Any]] | None
-) -> dict[Any, ResponseTable]:
-    """Tables by dof; the companions follow their frequencies."""
+def rows_with(labels: NDArray[Any], *some: Any) -> NDArray[np.bool_]:
+    """Which of the labels, (n,), are one of ``some``."""
+    return np.array([one in some for one in labels], dtype=bool)
+
+
+def check_frequencies(freq_hz: Any) -> None:
+    """Refuse what is no mapping, or has nothing in it."""
     if not isinstance(freq_hz, Mapping) or not freq_hz:
         got = "an empty mapping" if isinstance(freq_hz, Mapping) else type(freq_hz).__name__
         wanted = "a mapping of dof to frequencies in Hz, e.g. {0: [12.2, 36.2], 1: []}"
         reject("freq_hz", got, wanted, "Pass a dict; an empty list stands for no antiresonance.")
+
+
+def tables_of(
+    freq_hz: Mapping[Any, Any],
+    damping_ratio: Any,
+    std_hz: Any,
+    scores: Mapping[Any, Mapping[str, Any]] | None,
+    named: Callable[[Name, Any], Any],
+) -> dict[Any, ResponseTable]:
+    """Tables by dof; the companions follow their frequencies. ``named`` of :func:`key_of`."""
     frequencies: dict[Any, FloatArray] = {}
     for key, value in freq_hz.items():
-        dof = label("freq_hz", key)
+        dof = named("freq_hz", key)
         if dof in frequencies:
             reject("freq_hz", f"dof {dof!r} more than once", "each dof once", "Join its values in one list.")
         frequencies[dof] = frequencies_hz(("freq_hz", dof), value)
     damping, std = (
-        {dof: companion((name, dof), value, n) for dof, value, n in _by_dof(name, given, frequencies)}
+        {dof: companion((name, dof), value, n) for dof, value, n in _by_dof(name, given, frequencies, named)}
         for name, given in (("damping_ratio", damping_ratio), ("std_hz", std_hz))
     )
     for dof, column in std.items():
         check_std(("std_hz", dof), column)
     known: dict[Any, dict[str, NDArray[Any]]] = {}
-    for dof, own, n in _by_dof("scores", scores, frequencies):
+    for dof, own, n in _by_dof("scores", scores, frequencies, named):
         known[dof] = {name: np.asarray(given) for name, given in own.items()}
         for name, array in known[dof].items():
             if array.shape != (n,):
@@ -250,13 +339,15 @@ def check_std(name: Name, array: FloatArray) -> None:
         reject(name, f"{np.nanmin(array):g} Hz", wanted, "Pass NaN where it is not known.")
 
 
-def _by_dof(name: str, given: Any, frequencies: Mapping[Any, FloatArray]) -> Iterator[tuple[Any, Any, int]]:
+def _by_dof(
+    name: str, given: Any, frequencies: Mapping[Any, FloatArray], named: Callable[[Name, Any], Any]
+) -> Iterator[tuple[Any, Any, int]]:
     """Dof, companions and number of frequencies."""
     if given is not None and not isinstance(given, Mapping):
         wanted = "a mapping of dof to one value for each frequency"
         reject(name, type(given).__name__, wanted, "Pass a dict with the keys of freq_hz.")
     for key, value in (given or {}).items():
-        dof = label(name, key)
+        dof = named(name, key)
         if dof not in frequencies:
             wanted = f"dofs of freq_hz, {tuple(frequencies)}"
             reject(name, f"dof {dof!r}", wanted, "Leave that dof out, or give its frequencies too.")

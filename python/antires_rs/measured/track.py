@@ -16,7 +16,7 @@ from ..support.values import ReadOnly, frozen
 from ..views import Viewed
 from .antiresonance_set import aligned, number
 from .matching import KNOWN, MAX_SHIFT, SeriesOfTests, check_sets, paired, scatter, variance_hz, within
-from .response_table import ResponseTable, label_array
+from .response_table import ResponseTable, forces_at, label_array, rows_with
 
 # -- What following antiresonances over many tests gives: their tracks, and what happened to them
 
@@ -48,7 +48,7 @@ class Tracks(ReadOnly, Viewed):
 
     Attributes
     ----------
-    excitation : int or str
+    excitation : int, str or tuple
     conditions : tuple, (n_tests,)
     dof : (n_tracks,)
         Response of each track; those of a dof stand together, ascending.
@@ -91,7 +91,7 @@ class Tracks(ReadOnly, Viewed):
 
     def of(self, dof: Any) -> NDArray[np.int64]:
         """Columns of one response."""
-        return np.flatnonzero(self.dof == dof)
+        return np.flatnonzero(rows_with(self.dof, dof))
 
     def __len__(self) -> int:
         return int(self.dof.size)
@@ -110,7 +110,7 @@ class Tracks(ReadOnly, Viewed):
             [str(dof), str(n), number(a, 3), number(b, 3), number(by, 3, sign=True), ", ".join(own)]
             for dof, n, a, b, by, own in zip(self.dof, seen, first, last, change, words, strict=True)
         ]
-        title = f"antiresonances followed over {len(self.conditions)} tests, force at {self.excitation}"
+        title = f"antiresonances followed over {len(self.conditions)} tests, {forces_at(self.excitation)}"
         return "\n".join([title, *aligned(["dof", "tests", "first_hz", "last_hz", "change_%", ""], rows)])
 
     def to_dataframe(self) -> Any:

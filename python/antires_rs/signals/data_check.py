@@ -415,6 +415,17 @@ def check_data(
     return judged(one, excitation, band_of(one, band_hz), options)
 
 
+def judged_together(
+    columns: Sequence[FrequencyResponse], band: tuple[float, float], options: Averaging
+) -> DataCheck:
+    """The check of responses to one force after the other."""
+    each = [judged(one, None, band, options) for one in columns]
+    found = one_of_a_kind(
+        one for one in grouped([list(own.findings) for own in each]) if isinstance(one, Finding)
+    )
+    return replace(each[0], findings=found)
+
+
 def judged(
     source: Recording | FrequencyResponse,
     excitation: Any,

@@ -56,7 +56,7 @@ def averaged(responses: Sequence[FrequencyResponse], name: str = "source") -> Fr
     first = responses[0]
     if len(responses) == 1:
         return first
-    values = np.stack([_as_first(first, one, Argument(name).item(i)) for i, one in enumerate(responses)])
+    values = np.stack([as_first(first, one, Argument(name).item(i)) for i, one in enumerate(responses)])
     if first.reference is None:
         mean = np.asarray(values.mean(axis=0), dtype=np.complex128)
     else:
@@ -106,7 +106,7 @@ def _rows(first: Any, one: Any, name: Argument, got: str, kind: str) -> list[int
     return [one.dofs.index(dof) for dof in first.dofs]
 
 
-def _as_first(first: FrequencyResponse, one: FrequencyResponse, name: Argument) -> ComplexArray:
+def as_first(first: FrequencyResponse, one: FrequencyResponse, name: Argument) -> ComplexArray:
     """Values with their rows in the order of the first response's."""
     for what in ("kind", "reference"):
         if getattr(one, what) != getattr(first, what):

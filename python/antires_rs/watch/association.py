@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.matching import KNOWN, paired
-from ..measured.response_table import ResponseTable, label_array
+from ..measured.response_table import ResponseTable, label_array, rows_with
 from ..support.checks import FloatArray
 
 #: A value that so large a part of the baseline's tests has is followed; the others are told as clutter.
@@ -48,7 +48,7 @@ class Places:
 
     def of(self, dof: Any) -> NDArray[np.intp]:
         """Indices of a response's places."""
-        return np.flatnonzero(self.dof == dof)
+        return np.flatnonzero(rows_with(self.dof, dof))
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Values:
         log_hz, looked, strange = self.log_hz.copy(), self.looked.copy(), list(self.strange)
         for test, here in faults.items():
             dofs = [fault.dof for fault in here]
-            gone = np.isin(places.dof, dofs)
+            gone = rows_with(places.dof, *dofs)
             log_hz[test, gone], looked[test, gone] = np.nan, False
             strange[test] = tuple(one for one in strange[test] if one[0] not in dofs)
         return Values(log_hz, self.std, looked, tuple(strange))
@@ -281,7 +281,7 @@ def _lost(
     None is lost where it has one only, as many are there elsewhere, or those of the others are gone too.
     """
     there, sure = ~np.isnan(values.log_hz[test]), places.rate >= _SURE
-    own = sure & (places.dof == dof)
+    own = sure & rows_with(places.dof, dof)
     others = sure & values.looked[test] & ~np.isin(places.dof, [dof, *faulty])
     count = int(own.sum())
     lost = count - int(there[own].sum())

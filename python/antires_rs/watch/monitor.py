@@ -18,6 +18,7 @@ from ..exceptions import reject
 from ..io.data_frames import frame_of
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.matching import MAX_SHIFT, within
+from ..measured.response_table import rows_with
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..support.checks import FloatArray, finite_scalar
@@ -260,7 +261,7 @@ def _assessed(
             groups.append((dof, group := []))
         group.append(freq)
     new = [(dof, float(np.median(group))) for dof, group in groups if 2 * len(group) >= len(tests)]
-    at = {dof: places.dof[regular] == dof for dof in places.dofs}
+    at = {dof: rows_with(places.dof[regular], dof) for dof in places.dofs}
     at = {dof: rows for dof, rows in at.items() if looked[:, rows].any() or dof in dict(new)}
     now: dict[Any, list[tuple[float, float]]] = {}
     for dof, rows in at.items():
@@ -526,7 +527,7 @@ def _lost(charts: Charts, values: Values, regular: Any, places: Places) -> dict[
     for i in np.flatnonzero(single > 1.0).tolist():
         without = {}
         for one in dict.fromkeys(dof.tolist()):
-            rest = np.where(dof == one, np.nan, charts.z[i])
+            rest = np.where(rows_with(dof, one), np.nan, charts.z[i])
             if count := np.sum(~np.isnan(rest)):
                 t2 = np.array([charts.inverses.t2(rest)])
                 without[one] = float(wilson_hilferty(t2, np.array([float(count)]))[0])

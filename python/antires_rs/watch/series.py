@@ -16,7 +16,7 @@ from ..io.data_frames import frame_of, rows_of
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.compare import Comparison, compare
 from ..measured.matching import MAX_SHIFT
-from ..measured.response_table import ResponseTable
+from ..measured.response_table import ResponseTable, forces_at
 from ..measured.track import Tracks, followed
 from ..support.checks import FloatArray
 from ..support.values import FrozenDict, ReadOnly, frozen
@@ -312,7 +312,7 @@ class Series(ReadOnly):
                 rows.append((name, f"{known[0]:g} to {known[-1]:g}{missing}"))
         width = max(len(name) for name, _ in rows)
         title = f"series of {count:,} test{'s' * (count != 1)}"
-        title += "" if self.excitation is None else f", force at {self.excitation}"
+        title += "" if self.excitation is None else f", {forces_at(self.excitation)}"
         title += f", {len(self.dofs):,} response{'s' * (len(self.dofs) != 1)}" if self.dofs else ""
         title += "; interrupted, more tests are to come" * self.interrupted
         return "\n".join([title, *(f"  {name:<{width}}  {text}" for name, text in rows)])

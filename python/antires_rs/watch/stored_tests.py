@@ -25,7 +25,7 @@ from ..exceptions import reject
 from ..io.common import require
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.edits import BY_HAND
-from ..measured.response_table import NUMBERS, ResponseTable
+from ..measured.response_table import NUMBERS, Dofs, ResponseTable
 from ..signals.one_force import DataCheck, Finding
 from ..support.files import cell, written_beside
 from ..support.values import frozen
@@ -83,7 +83,7 @@ def decoded(plain: Mapping[str, Any]) -> AntiresonanceSet:
         first += count
         own = {name: _column(columns[name][rows], kind) for name, kind in COLUMNS.items()}
         known = {name: _column(scores[name][rows] if count else [], kind) for name, kind in kinds.items()}
-        tables[group][dof] = ResponseTable(**own, scores=known)
+        tables[group][Dofs.of_file(dof)] = ResponseTable(**own, scores=known)
     check = facts["check"]
     if check is not None:
         findings = tuple(Finding(**row | {"where": tuple(row["where"])}) for row in check["findings"])
@@ -140,11 +140,12 @@ class Row(Entry):
     ) -> Row:
         """A test that failed, or a set of which the facts are known."""
         tables = facts["tables"] if facts else []
-        accepted = [(dof, count) for group, dof, count, _ in tables if group == GROUPS[0]]
+        accepted = [(Dofs.of_file(dof), count) for group, dof, count, _ in tables if group == GROUPS[0]]
         dofs, counts = ([one[at] for one in accepted] for at in range(2))
         kinds = sorted({item for *_, kinds in tables for item in kinds.items()})
         own = {each.name: getattr(entry, each.name) for each in fields(Entry)}
-        own |= {"failed": failed, "count": sum(counts), "excitation": facts["excitation"] if facts else None}
+        force = Dofs.of_file(facts["excitation"]) if facts else None
+        own |= {"failed": failed, "count": sum(counts), "excitation": force}
         return cls(**own, dofs=tuple(dofs), kinds=tuple(kinds), plain=plain)
 
     @classmethod

@@ -1,0 +1,360 @@
+r"""Several unknown forces: the minors of the responses, of which every line knows one complex vector again.
+
+Under r forces at J, not all coherent, of unknown spectra, the spectral matrix of the n responses is
+H_J S_f H_J^H, of rank r beside the noise. Its dominant subspace has a basis U = H_J R, R (r, r) unknown. For
+r rows I the minor
+
+    P_I = det U[I, :] = det H[I, J] det R,      det H[I, J] = +- det A(rows J, columns I deleted) / det A
+
+(Jacobi, A = K - w^2 M + i w C) is known up to det R, one factor a line: ratios P_I / P_I' have lost the r
+forces and the resonances, and their poles are the antiresonances of order r, the roots of the deleted
+determinant. r = 1 is the transmissibility. The vector of all P_I is what the fits start from
+(:class:`~antires_rs.identification.lines.Lines`); its rows are named by sets of r responses.
+
+Noise. With channels scaled to equal noise and S = V diag(l) V^H, a change dS moves v_j by
+
+    dv_j = sum_i v_i e_ij,      e_ij = v_i^H dS v_j / (l_j - l_i),      i in the noise, j <= r,
+
+and the vector of minors by sum e_ij T_ij, T_ij the minors of U with column j replaced by v_i: to first order,
+all of it orthogonal to P, and the T_ij are orthonormal. So e_ij of one segment x, with dS = x x^H, tells what
+that segment would move the minors by (the errors of zeros follow from it, as for one force), and its mean
+square l_i l_j / (l_j - l_i)^2 what the line is worth.
+
+Sources: C. G. J. Jacobi, J. reine angew. Math. 22 (1841) 285-318 (minors of the inverse); W. V. D. Hodge and
+D. Pedoe, Methods of Algebraic Geometry I, Cambridge 1947, ch. VII (coordinates of a subspace); T. W.
+Anderson, Ann. Math. Stat. 34 (1963) 122-148 (scatter of eigenvectors).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from math import comb
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..exceptions import Argument, UnsuitableDataError, reject
+from ..measured.response_table import Dofs, key_of
+from ..signals.averaging import Averages
+from ..signals.frequency_response import FrequencyResponse
+from ..signals.recording import Recording
+from ..signals.repeats import as_first
+from ..signals.spectra import FLOOR_LINES, LEAST_NOISE, LINES, Segments, pieces
+from ..support.checks import ComplexArray, FloatArray
+from .lines import Lines, require_live, unit
+from .stability import Directions
+
+MOST_MINORS = 300  # of more, those of most information are formed
+MOST_FORMED = 200_000  # of more no choice is made
+IN_ONE_FIT, ANCHORS = 64, 12  # rows of one fit; of several fits those that all have, the strongest
+CHOICE_LINES = 64  # lines that tell which minors are strong
+LEAST_SNR = 4.0  # a line below it has no subspace of r dimensions by which a fit may be judged
+PASSES = 4  # passes of "subspace, residual noise of each channel, scale"
+LEAST_GAP = 0.25  # a signal eigenvalue counts as no nearer to the noise than this share of itself
+
+
+def minors_of(basis: ComplexArray, rows: NDArray[np.intp]) -> ComplexArray:
+    """Determinants of some rows, (..., n_minors), of bases (..., n, r); ``rows`` are (n_minors, r)."""
+    order = rows.shape[1]
+    some = [basis[..., rows[:, k], :] for k in range(order)]
+    if order == 2:
+        return np.asarray(some[0][..., 0] * some[1][..., 1] - some[0][..., 1] * some[1][..., 0])
+    return np.asarray(np.linalg.det(np.stack(some, axis=-2)))
+
+
+def tangents(basis: ComplexArray, others: ComplexArray, rows: NDArray[np.intp]) -> ComplexArray:
+    """Minors with one column replaced by one of the ``others``, (..., n_minors, n_others, r)."""
+    count, order = others.shape[-1], basis.shape[-1]
+    out = np.empty((*basis.shape[:-2], len(rows), count, order), dtype=np.complex128)
+    for j in range(order):
+        for i in range(count):
+            changed = basis.copy()
+            changed[..., j] = others[..., i]
+            out[..., i, j] = minors_of(changed, rows)
+    return out
+
+
+# -- Which minors, and what they are called
+
+
+@dataclass(frozen=True)
+class Named:
+    """Sets of r channels: ``rows`` (n_minors, r) their indices, ``dofs`` their names."""
+
+    rows: NDArray[np.intp]
+    dofs: tuple[Dofs, ...]
+
+
+def formed(size: Callable[[NDArray[np.intp]], FloatArray], channels: tuple[Any, ...], order: int) -> Named:
+    """All sets of r channels, or those of the largest ``size``, (n_minors,), if there are very many."""
+    check_channels(len(channels), order)
+    rows = np.array(list(combinations(range(len(channels)), order)), dtype=np.intp)
+    if len(rows) > MOST_MINORS:
+        rows = rows[np.sort(np.argsort(-size(rows), kind="stable")[:MOST_MINORS])]
+    named = key_of(Dofs(range(order)), (), channels)
+    dofs = tuple(named("dofs", [channels[k] for k in own]) for own in rows.tolist())
+    return Named(rows, dofs)
+
+
+def check_channels(n: int, order: int) -> None:
+    """Refuse more forces than so many responses can tell of."""
+    if n <= order:
+        got = f"{order} forces with {n} channels"
+        wanted = f"at least {order + 1} channels: of r forces the sets of r responses are compared"
+        raise UnsuitableDataError("excitation", got, wanted, "Add channels, or let fewer forces act at once.")
+    if comb(n, order) > MOST_FORMED:
+        got = f"{order} forces with {n} channels, {comb(n, order)} sets of responses"
+        remedy = "Give the record with the channels that matter."
+        reject("excitation", got, f"at most {MOST_FORMED} sets", remedy)
+
+
+def groups(strength: FloatArray) -> list[NDArray[np.intp]]:
+    """Rows that are fitted together: all, or parts of them beside the strongest, which every part has."""
+    n = strength.size
+    if n <= IN_ONE_FIT:
+        return [np.arange(n)]
+    ranked = np.argsort(-strength, kind="stable")
+    anchors, rest = ranked[:ANCHORS], np.sort(ranked[ANCHORS:])
+    parts = np.array_split(rest, -(-rest.size // (IN_ONE_FIT - ANCHORS)))
+    return [np.concatenate([anchors, part]) for part in parts]
+
+
+# -- The minors of a record
+
+
+def subspace(matrix: ComplexArray, scale: FloatArray) -> tuple[FloatArray, ComplexArray]:
+    """Eigenvalues, largest first, (n_freq, n), and eigenvectors, (n_freq, n, n), of scaled spectra."""
+    root = 1.0 / np.sqrt(scale)
+    values, vectors = np.linalg.eigh((matrix * (root[:, None] * root)).conj())
+    return values[:, ::-1], vectors[:, :, ::-1]
+
+
+def noise_beside(matrix: ComplexArray, start: FloatArray, order: int) -> FloatArray:
+    """Relative noise power of every channel: what r vectors leave of the diagonal, (n_channels,)."""
+    some = matrix[:: max(1, len(matrix) // LINES)]
+    auto = np.einsum("fii->fi", some).real
+    first = np.where(start > 0.0, start, 1.0)
+    scale = first
+    for _ in range(PASSES):
+        values, vectors = subspace(some, scale)
+        rest = values[:, order:].mean(axis=1)
+        taken = np.abs(vectors[:, :, :order]) ** 2 @ (values[:, :order] - rest[:, None])[:, :, None]
+        left = auto / scale - taken[:, :, 0]
+        share = np.median(left / np.maximum(np.abs(left).mean(axis=1, keepdims=True), 1e-300), axis=0)
+        scale = scale * share / max(float(share.mean()), 1e-300)
+        scale = np.maximum(scale, LEAST_NOISE * first * float(np.median(scale / first)))
+    return np.asarray(scale)
+
+
+def floor_of(values: FloatArray, order: int) -> FloatArray:
+    """Noise level of every line, (n_freq,): running median of the mean of what is beyond r eigenvalues."""
+    from scipy.ndimage import median_filter  # slow to import
+
+    rest = median_filter(values[:, order:].mean(axis=1), size=FLOOR_LINES, mode="nearest")
+    return np.asarray(np.maximum(rest, 1e-15 * float(values[:, 0].max())))
+
+
+@dataclass(frozen=True)
+class Subspaces:
+    """The dominant subspaces of a record by line, in units in which all channels have unit noise.
+
+    ``values`` (n_freq, n), largest first, ``vectors`` (n_freq, n, n), ``segments`` those of the channels.
+    """
+
+    freq_hz: FloatArray
+    values: FloatArray
+    vectors: ComplexArray
+    segments: Segments | None
+    order: int
+
+    @property
+    def gaps(self) -> FloatArray:
+        """l_j - l_i of the module, (n_freq, n - r, r); no smaller than a share of l_j."""
+        signal, noise = self.values[:, None, : self.order], self.values[:, self.order :, None]
+        return np.maximum(signal - noise, LEAST_GAP * signal)
+
+    @property
+    def noise(self) -> FloatArray:
+        """Mean square of the e_ij of one segment, (n_freq,): noise power of the minors over their size."""
+        each = self.values[:, None, : self.order] * self.values[:, self.order :, None] / self.gaps**2
+        return np.asarray(np.maximum(each.mean(axis=(1, 2)), 1e-15))
+
+    def minors(self, rows: NDArray[np.intp], lines: slice = slice(None)) -> ComplexArray:
+        """The minors of some rows, (n_freq, n_minors); all of them are a vector of unit norm."""
+        return minors_of(self.vectors[lines, :, : self.order], rows)
+
+    def moves(self, rows: NDArray[np.intp], lines: slice) -> ComplexArray:
+        """What each segment would move the minors by, (n_lines, n_minors, n_segments), to first order."""
+        assert self.segments is not None
+        vectors, x = self.vectors[lines], self.segments.at(lines)
+        along = vectors.conj().transpose(0, 2, 1) @ x
+        e = along[:, self.order :, None] * along[:, None, : self.order].conj()
+        e /= self.gaps[lines][..., None]
+        t = tangents(vectors[:, :, : self.order], vectors[:, :, self.order :], rows)
+        return np.asarray(t.reshape(*t.shape[:2], -1) @ e.reshape(len(e), -1, e.shape[3]))
+
+
+def subspaces(averages: Averages, order: int) -> Subspaces:
+    """Those of averaged spectra."""
+    spectra = averages.spectra
+    start = spectra.noise if spectra.noise is not None else spectra.noise_power
+    noise = noise_beside(spectra.matrix, start, order)
+    values, vectors = subspace(spectra.matrix, noise)
+    floor = floor_of(values, order)
+    segments = spectra.segments
+    if segments is not None:
+        segments = segments.times(1.0 / np.sqrt(noise * floor[:, None]))
+    return Subspaces(spectra.freq_hz, values / floor[:, None], vectors, segments, order)
+
+
+def lines_of_minors(averages: Averages, some: Subspaces, rows: NDArray[np.intp]) -> Lines:
+    """The vectors of some minors, with what each segment would move them by as segments of unit noise."""
+    spectra, length = averages.spectra, averages.nperseg
+    vectors = some.minors(rows)
+    snr = 1.0 / some.noise
+    size = np.sqrt(snr)[:, None]
+    count = spectra.n_averages
+    segments = None
+    if some.segments is not None and count >= 2:
+        moved = np.empty((*vectors.shape, count), dtype=np.complex64)
+        matrix = np.empty((len(vectors), len(rows), len(rows)), dtype=np.complex128)
+        for lines in pieces(len(vectors), len(rows) * (count + some.vectors.shape[1] * some.order)):
+            own = size[lines, :, None] * (vectors[lines, :, None] + some.moves(rows, lines))
+            moved[lines] = own
+            matrix[lines] = own.conj() @ own.transpose(0, 2, 1) / count
+        ones = np.ones(vectors.shape)
+        segments = Segments(moved, matrix, ones, ones)
+    share = np.sum(np.abs(vectors) ** 2, axis=1)  # of all minors, some of which may be left out
+    return Lines(
+        spectra.freq_hz,
+        unit(vectors.T),
+        snr * share,
+        spectra.added_decay_per_s,
+        segments,
+        1.0 if length is None else min(1.0, averages.rec.n_samples / length / spectra.n_effective),
+        spectra.n_averages / spectra.n_effective,
+        spectra.draws,
+        least_snr=LEAST_SNR,
+    )
+
+
+class MinorsOfRecord:
+    """The minors of a record: their names, and lines of those that are fitted together."""
+
+    def __init__(self, rec: Recording, averages: Averages, order: int) -> None:
+        n_averages = averages.spectra.n_averages
+        if n_averages <= order:
+            got = f"{n_averages} averages of {order} forces"
+            remedy = "Record for longer, give a shorter nperseg, or hit every place several times."
+            raise UnsuitableDataError("source", got, f"more than {order}", remedy)
+        power = np.einsum("fii->i", averages.spectra.matrix).real
+        require_live(power, rec.dofs, "no signal at all from {} in the band", "Recording")
+        self._averages, self._subspaces = averages, subspaces(averages, order)
+        some = slice(None, None, -(-len(self._subspaces.values) // CHOICE_LINES))
+
+        def size(rows: NDArray[np.intp]) -> FloatArray:
+            return np.asarray(np.median(np.abs(self._subspaces.minors(rows, some)) ** 2, axis=0))
+
+        named = formed(size, rec.dofs, order)
+        self.dofs, self._rows = named.dofs, named.rows
+        self.groups = groups(size(named.rows))
+
+    def lines_of(self, group: NDArray[np.intp]) -> Callable[[int], Lines]:
+        """Lines of some minors, made once; for any row the same."""
+        made: list[Lines] = []
+
+        def lines(_: int) -> Lines:
+            if not made:
+                made.append(lines_of_minors(self._averages, self._subspaces, self._rows[group]))
+            return made[0]
+
+        return lines
+
+    def directions_of(self, group: NDArray[np.intp]) -> Directions:
+        """The same minors in other spectra, as ``dominant`` gives the direction of all responses."""
+        order, rows = self._subspaces.order, self._rows[group]
+
+        def directions(
+            matrix: ComplexArray, scale: FloatArray
+        ) -> tuple[FloatArray, FloatArray, ComplexArray]:
+            values, vectors = subspace(matrix, scale)
+            made = Subspaces(np.empty(0), values, vectors, None, order)
+            floor = floor_of(values, order)
+            signal = 1.0 / replace(made, values=values / floor[:, None]).noise
+            return signal * floor, floor, unit(made.minors(rows), axis=1)
+
+        return directions
+
+
+# -- The minors of curves that were measured one force after the other: FRFs are columns of H, and of
+# transmissibilities every column has a factor of its own, which goes into that of the minors
+
+
+class MinorResponse(FrequencyResponse):
+    """The minors of r responses, one a force, which it holds too; its dofs are sets of r dofs."""
+
+    columns: tuple[FrequencyResponse, ...]
+
+    def __init__(self, columns: Sequence[FrequencyResponse], *parts: Any, **named: Any) -> None:
+        super().__init__(*parts, **named)
+        object.__setattr__(self, "columns", tuple(columns))
+
+    def rows(self, rows: NDArray[np.intp]) -> FrequencyResponse:
+        """Some of the minors."""
+        std = None if self.std is None else self.std[rows]
+        dofs = [self.dofs[k] for k in rows]
+        return FrequencyResponse(self.freq_hz, self.values[rows], dofs, self.kind, self.reference, std=std)
+
+    @property
+    def groups(self) -> list[NDArray[np.intp]]:
+        """Rows that are fitted together; the reference is in all."""
+        size = np.linalg.norm(self.values, axis=0)
+        strength = np.median(np.abs(self.values / np.maximum(size, 1e-300)) ** 2, axis=1)
+        if self.reference is not None:
+            strength[self.dofs.index(self.reference)] = np.inf
+        return groups(strength)
+
+
+def minors_of_curves(source: Any, order: int) -> MinorResponse:
+    """The minors of a list of r responses."""
+    if isinstance(source, MinorResponse):
+        return source
+    if not isinstance(source, list | tuple) or len(source) != order:
+        count = len(source) if isinstance(source, list | tuple) else 1
+        wanted = f"{order} of them, one for each force"
+        remedy = "Measure one force after the other; of repeats with one force give one average."
+        reject("source", f"{count} FrequencyResponse{'s' * (count != 1)} for {order} forces", wanted, remedy)
+    first = source[0]
+    columns = [as_first(first, one, Argument("source").item(i)) for i, one in enumerate(source)]
+    basis = np.stack(columns, axis=-1).transpose(1, 0, 2)
+    some = basis[:: -(-len(basis) // CHOICE_LINES)]
+    strength = np.linalg.norm(some, axis=1, keepdims=True)
+
+    def size(rows: NDArray[np.intp]) -> FloatArray:
+        unit_columns = some / np.maximum(strength, 1e-300)
+        return np.asarray(np.median(np.abs(minors_of(unit_columns, rows)) ** 2, axis=0))
+
+    named = formed(size, first.dofs, order)
+    values = minors_of(basis, named.rows).T
+    std = None
+    if all(one.std is not None for one in source):
+        of_each = np.stack([one.std[[one.dofs.index(dof) for dof in first.dofs]] for one in source], axis=-1)
+        variance = of_each.transpose(1, 0, 2) ** 2
+        n = len(first.dofs)
+        std = np.empty(values.shape)
+        for lines in pieces(len(basis), values.shape[0] * n * order):
+            others = np.broadcast_to(np.eye(n, dtype=np.complex128), (len(basis[lines]), n, n))
+            by_value = np.abs(tangents(basis[lines], others, named.rows)) ** 2
+            std[:, lines] = np.sqrt(np.einsum("fmpj,fpj->mf", by_value, variance[lines]))
+    if first.kind == "frf":
+        return MinorResponse(source, first.freq_hz, values, named.dofs, std=std)
+    strongest = int(np.argmax(size(named.rows)))
+    below = np.where(np.abs(values[strongest]) < 1e-300, 1e-300, values[strongest])
+    reference = named.dofs[strongest]
+    std = None if std is None else std / np.abs(below)
+    return MinorResponse(
+        source, first.freq_hz, values / below, named.dofs, "transmissibility", reference, std=std
+    )
