@@ -57,10 +57,12 @@ class Model:
         self, responses: Sequence[int], excitation: int, freq_hz: _Floats, damping_ratio: _Floats, kind: str
     ) -> NDArray[np.complex128]: ...
     def antiresonances(
-        self, responses: Sequence[int], excitation: int, f_max_hz: float, method: str, include_cancelled: bool
+        self, responses: Sequence[Sequence[int]], excitation: Sequence[int], f_max_hz: float, method: str,
+        include_cancelled: bool
     ) -> list[tuple[_Floats, bool, bool]]: ...
     def bounded_antiresonances(
-        self, responses: Sequence[int], excitation: int, f_max_hz: float, method: str, include_cancelled: bool
+        self, responses: Sequence[Sequence[int]], excitation: Sequence[int], f_max_hz: float, method: str,
+        include_cancelled: bool
     ) -> list[tuple[_Floats, _Floats, bool, bool]]: ...
 
 @final
@@ -82,7 +84,7 @@ class Objective:
     @staticmethod
     def antiresonance(
         model: Model, parameters: Sequence[_Parameter],
-        targets: Sequence[tuple[int, int, _Floats, str | None, int]], misfit: str,
+        targets: Sequence[tuple[Sequence[int], Sequence[int], _Floats, str | None, int]], misfit: str,
         penalty: tuple[float, float] | None, snap: float, weights: _Floats | None
     ) -> Objective: ...
     @staticmethod

@@ -402,8 +402,8 @@ class Plan:
         assert isinstance(responses, Responses)
         for each, labels in zip(self.question.measured, responses.labels, strict=True):
             assert isinstance(each, AntiresonanceSet)
-            force = model._dof("excitation", each.excitation)
-            dofs = [model._dof("measured dof", label) for label in labels]
+            force = model._end("excitation", each.excitation)
+            dofs = [model._end("measured dof", label) for label in labels]
             highest_hz = _BEYOND * max(each[dof].max(initial=0.0) for dof in each)
             every = zip(labels, zeros_beside(model, dofs, force, highest_hz), strict=True)
             zeros: dict[Any, tuple[FloatArray, Series]] = {

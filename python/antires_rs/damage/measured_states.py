@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..models.structural_model import End, members
 from ..support.checks import FloatArray
 from ..support.messages import some
 from ..updating.targets import AntiresonanceTargets, Part, antiresonance_objective
@@ -258,7 +259,7 @@ class Responses:
     left_out: tuple[str, ...]  # sentences on values that are not compared
     assumed: bool  # whether standard deviations had to be
     measured: tuple[AntiresonanceSet, ...]
-    tests: tuple[int, ...]  # force of each intact test
+    tests: tuple[End, ...]  # force of each intact test
     noun = "antiresonances"
 
     def source(self, model: Any, parts: Any, *, silent: bool = False) -> _core.Objective:
@@ -297,7 +298,7 @@ def measured_states(
             remedy = "Test the intact structure with the force there too, or leave that set out."
             reject("baseline", f"no set with the force at {each.excitation!r}", wanted, remedy)
     freq: dict[Response, list[FloatArray]] = {}
-    sight: dict[int, set[str | None]] = {}
+    sight: dict[End, set[str | None]] = {}
     for target in (*before, *after):
         for dof, force, values, sees, _ in target.parts:
             sight.setdefault(force, set()).add(sees)
@@ -338,7 +339,7 @@ def _columns(target: AntiresonanceTargets, numbers: Mapping[Response, int]) -> d
 
 # -- Which responses both states have, and what to say of the others
 
-Response = tuple[int, int]  # dof and force
+Response = tuple[End, End]  # dof and force, or dofs and forces
 
 
 def _not_in_both(
@@ -372,9 +373,9 @@ def _not_in_both(
 
 def _named(model: StructuralModel, responses: Sequence[Response] | Mapping[Response, int]) -> str:
     forces = {force for _, force in responses}
-    at = {force: f" (force at {model.dof_label(force)})" if len(forces) > 1 else "" for force in forces}
-    ordered = sorted(responses, key=lambda one: (one[1], one[0]))
-    return some((model.dof_label(dof) + at[force] for dof, force in ordered), 6)
+    at = {force: f" (force at {model._end_label(force)})" if len(forces) > 1 else "" for force in forces}
+    ordered = sorted(responses, key=lambda one: (members(one[1]), members(one[0])))
+    return some((model._end_label(dof) + at[force] for dof, force in ordered), 6)
 
 
 # -- How tests of the intact structure scatter, and which of them contradict each other, by how much: two are
@@ -443,10 +444,10 @@ class Contradiction(NamedTuple):
     usual: float = 0.0  # that of the others, 0 where there are none
 
 
-def contradiction(values: Values, forces: Sequence[int]) -> Contradiction:
+def contradiction(values: Values, forces: Sequence[End]) -> Contradiction:
     """The worst contradiction between tests with the same force; ``forces`` are those of the tests."""
     found = [Contradiction()]
-    for force in sorted(set(forces)):
+    for force in sorted(set(forces), key=members):
         tests = [nth for nth, each in enumerate(forces) if each == force]
         known = {pair: one for pair in combinations(tests, 2) if (one := _apart(values, *pair)) is not None}
         for odd in tests:
@@ -476,7 +477,7 @@ def _apart(values: Values, one: int, other: int) -> tuple[float, float] | None:
     return float(np.percentile(apart, _UPPER)), float(np.median(error)) if error.size else 0.0
 
 
-def moved_alike(values: Values, forces: Sequence[int]) -> FloatArray:
+def moved_alike(values: Values, forces: Sequence[End]) -> FloatArray:
     """How far all values of a test lie above those of the first with its force, for each value (ln f), less
     the mean of these tests; 0 where they differ by no more than their errors, or far more."""
     found = np.zeros(values.size)

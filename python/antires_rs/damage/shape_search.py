@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.parameters import stiffness_reduction
-from ..models.structural_model import StructuralModel
+from ..models.structural_model import StructuralModel, members
 from ..support.checks import FloatArray
 from ..support.progress import step
 from .inference import (
@@ -162,14 +162,16 @@ def _sensors(prepared: Prepared, model: StructuralModel) -> list[Shaped]:
     likelihood, responses = prepared.likelihood, prepared.responses
     assert isinstance(responses, Responses)
     now: Values = likelihood.now
-    dofs, compared = np.array([part[:2] for part in responses.parts]), np.unique(now.response)
-    sides = [np.unique(dofs[compared, side]).tolist() for side in (0, 1)]
+    ends = [[members(part[side]) for part in responses.parts] for side in (0, 1)]
+    compared = np.unique(now.response).tolist()
+    sides = [sorted({dof for nth in compared for dof in own[nth]}) for own in ends]
     moved_one = [(s, dof) for s, own in enumerate(sides) if len(own) >= _LEAST_SENSORS for dof in own]
     found: list[Shaped] = []
     for side, dof in moved_one:
         logs, views = [], []
+        own = np.array([dof in several for several in ends[side]])
         for moved in _MOVED:
-            views.append(likelihood.without_damage(np.where(dofs[:, side] == dof, moved, 0.0), 0.0))
+            views.append(likelihood.without_damage(np.where(own, moved, 0.0), 0.0))
             logs.append(views[-1].log_likelihood)
         prior = np.log(SENSOR / len(moved_one)) - np.log(len(_MOVED))
         place = f"{('sensor', 'force')[side]} at {model.dof_label(dof)} moved or changed"

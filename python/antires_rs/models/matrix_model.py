@@ -16,7 +16,7 @@ from .constraints import equations_by_number
 from .matrices import Columns, as_masses, as_square, as_term
 from .penalties import warn_penalties
 from .recipes import Independent, MatrixRecipe
-from .structural_model import ModelDescription, StructuralModel
+from .structural_model import End, ModelDescription, StructuralModel, members
 
 #: Decades between the K / M of dofs from which on one method alone loses roots; most dofs to ask both.
 _APART, _MOST_FOR_BOTH = 8.0, 200
@@ -139,10 +139,11 @@ class MatrixModel(StructuralModel):
             here, core = self._with_rows(frozenset(moving))
         return core, here.rows[moving].tolist()
 
-    def _together(self, responses: Sequence[int], force: int) -> list[list[int]]:
+    def _together(self, responses: Sequence[End], force: End) -> list[list[int]]:
         dependent = self._independent.dependent  # All dofs of one equation cannot be rows of one core.
-        masters = dependent.masters(force)
-        own = [i for i, dof in enumerate(responses) if not dependent.has(dof) and dof not in masters]
+        masters = {dof for one in members(force) for dof in dependent.masters(one)}
+        apart = [any(dependent.has(dof) or dof in masters for dof in members(end)) for end in responses]
+        own = [i for i, is_apart in enumerate(apart) if not is_apart]
         return ([own] if own else []) + [[i] for i in sorted({*range(len(responses))} - {*own})]
 
     def _with_rows(self, dofs: frozenset[int]) -> tuple[Independent, CoreModel]:

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Literal, Self, get_args
 import numpy as np
 
 from .._core import Model as CoreModel
-from ..exceptions import NumericalError, part, reject
+from ..exceptions import Name, NumericalError, part, reject
 from ..measured.modal_set import ModalSet
 from ..signals.recording import Recording
 from ..support.checks import (
@@ -85,11 +85,15 @@ _EDGE = 1e-6  # relative distance from which on a mode is above the highest one 
 
 
 def _warn_doubts(
-    dof: int, excitation: int | str, n_dof: int, values: Sequence[FloatArray], zero: bool, doubtful: bool
+    dof: End, excitation: Any, n_dof: int, values: Sequence[FloatArray], zero: bool, doubtful: bool
 ) -> None:
     """Say whether H is zero, whether roots may be missing, and which (by their bounds) are not certain."""
-    response = f"response dof {dof}"
-    if zero:
+    response = f"response dof{'s' * isinstance(dof, tuple)} {', '.join(map(str, members(dof)))}"
+    if zero and isinstance(dof, tuple):
+        text = f"the minor with forces at {', '.join(map(str, excitation))} is identically zero: not every "
+        text += "force has a way of its own through the structure to a response. It has no antiresonance."
+        warn("not_connected", f"{response}: {text}")
+    elif zero:
         text = f"is not connected to excitation dof {excitation}: H is identically zero and has no "
         warn("not_connected", f"{response} {text}antiresonance.")
     if doubtful:
@@ -122,6 +126,10 @@ def _warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: 
 
 
 MANY_DOFS = 200  # from so many dofs on antiresonances may take seconds
+
+#: A dof, or several: the forces that act together, or the responses of a minor.
+End = int | tuple[int, ...]
+_MOST_FORCES = 4
 
 Method = Literal["modal", "pencil"]
 Motion = Literal["accelerance", "mobility", "receptance"]
@@ -197,9 +205,26 @@ class StructuralModel(AroundCore[CoreModel]):
         """Whether only poles and QZ together, each root confirmed, are right: few dofs, K / M far apart."""
         return False
 
-    def _together(self, responses: Sequence[int], force: int) -> list[list[int]]:
+    def _together(self, responses: Sequence[End], force: End) -> list[list[int]]:
         """Places of responses that one core has with the force, core by core."""
         return [list(range(len(responses)))]
+
+    def _roots(
+        self,
+        responses: Sequence[End],
+        force: End,
+        solve: Callable[[CoreModel, list[list[int]], list[int]], Any],
+    ) -> list[Any]:
+        """What ``solve`` gives for each response, of the core in which all dofs are rows."""
+        found: list[Any] = [None] * len(responses)
+        for which in self._together(responses, force):
+            ends = [members(responses[i]) for i in which]
+            core, rows = self._core_for([*(dof for own in ends for dof in own), *members(force)])
+            at, r = iter(rows), len(members(force))
+            own_rows = [[next(at) for _ in own] for own in ends]
+            for i, of_one in zip(which, solve(core, own_rows, rows[len(rows) - r :]), strict=True):
+                found[i] = of_one
+        return found
 
     @property
     def n_dof(self) -> int:
@@ -213,6 +238,10 @@ class StructuralModel(AroundCore[CoreModel]):
     def dof_label(self, dof: int) -> str:
         """Name of a dof in tables and pictures: its zero-based number, where nothing else names it."""
         return f"dof {dof}"
+
+    def _end_label(self, end: End) -> str:
+        """Name of a response or force, of which there may be several at once."""
+        return " and ".join(self.dof_label(dof) for dof in members(end))
 
     @cached_property
     def _names(self) -> DofNames:
@@ -383,12 +412,16 @@ class StructuralModel(AroundCore[CoreModel]):
     ) -> Any:
         r"""Antiresonant frequencies: positive real roots of ``det(K_ik - w**2 M_ik) = 0``.
 
-        Row ``i`` (the response) and column ``k`` (the excitation) are deleted.
+        Row ``i`` (the response) and column ``k`` (the excitation) are deleted. Of r forces that act at once,
+        antiresonances of order r: roots of the minor ``det H[I, J]`` of r responses I and the r forces J,
+        where the rows I and the columns J are deleted.
 
         Parameters
         ----------
-        response, excitation
-            As of :meth:`frf`.
+        response : int, str or sequence of them
+            Response dof(s), by number or name. Of several forces the r responses, or a list of such tuples.
+        excitation : int, str or sequence of them
+            Dof of the force, or the dofs of two to four forces.
         f_max_hz : float, optional
             Highest frequency wanted; all by default, but of more than 2,000 dofs, where it has to be given.
         method : {'modal', 'pencil'}
@@ -405,17 +438,22 @@ class StructuralModel(AroundCore[CoreModel]):
         Returns
         -------
         ndarray, (n,)
-            Hz, ascending, a list of them for a sequence of responses; with ``bounds`` a pair of arrays (n,),
+            Hz, ascending, a list of them for a sequence of responses (or of tuples of them); with ``bounds`` a pair of arrays (n,),
             frequencies and bounds of their errors in Hz, infinite where a root is not certain: too close to
             others, or moved by more than 1e-3 in frequency squared by rounding of the entries. Dropped are
             roots that are infinite or zero at working precision (an ulp of K and M moves them by more than
             1e-3 of their own distance from there), negative, or complex (imaginary part above 1e-9 of the
             modulus, or above ten times that uncertainty, at most 3e-7).
 
+        Raises
+        ------
+        InvalidInputError
+            No such dof; of several forces: not as many responses, one of them twice, more than four forces.
+
         Warns
         -----
         AntiresWarning
-            The response is not connected to the excitation; rounding leaves a doubt about the number of
+            The response is not connected to the excitation, or the minor is identically zero; rounding leaves a doubt about the number of
             roots, which only models of up to 2,000 dofs can settle; some roots are not certain.
 
         Examples
@@ -424,26 +462,26 @@ class StructuralModel(AroundCore[CoreModel]):
         >>> chain = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 500.0])
         >>> [zeros.round(3).tolist() for zeros in chain.antiresonances([0, 1, 2], 0)]
         [[1.666, 5.375], [2.516], []]
+        >>> chain.antiresonances([(0, 1), (1, 2)], (0, 2)).round(3).tolist()   # forces at 0 and 2
         """
         choice("method", method, get_args(Method))
         limit = np.inf
         if f_max_hz is not None:
             limit = finite_scalar("f_max_hz", f_max_hz, low=0.0, low_open=True, unit="Hz")
-        dofs, force = self._dofs("response", response), self._dof("excitation", excitation)
-        found: list[Any] = [None] * len(dofs)
-        for which in self._together(dofs, force):
-            core, at = self._core_for([*(dofs[i] for i in which), force])
-            both = bounds or self._needs_both_methods
+        dofs, force, is_one = self._ends(response, excitation)
+        both = bounds or self._needs_both_methods
+
+        def solve(core: CoreModel, rows: list[list[int]], forces: list[int]) -> Any:
             solved: Any = core.bounded_antiresonances if both else core.antiresonances
-            call = partial(solved, at[:-1], at[-1], limit, method, bool(include_cancelled))
-            what = f"antiresonances of {len(which)} responses"
-            roots = call() if self.n_dof < MANY_DOFS else interruptible(call, what)
-            for i, of_one in zip(which, roots, strict=True):
-                found[i] = of_one
+            call = partial(solved, rows, forces, limit, method, bool(include_cancelled))
+            what = f"antiresonances of {len(rows)} responses"
+            return call() if self.n_dof < MANY_DOFS else interruptible(call, what)
+
+        found = self._roots(dofs, force, solve)
         for dof, (*values, is_zero, is_doubtful) in zip(dofs, found, strict=True):
             _warn_doubts(dof, excitation, self.n_dof, values, is_zero, is_doubtful)
         zeros = [(values[0], values[1]) if bounds else values[0] for *values, _, _ in found]
-        return zeros[0] if shape_of(response) == () else zeros
+        return zeros[0] if is_one else zeros
 
     def simulate(
         self,
@@ -502,6 +540,36 @@ class StructuralModel(AroundCore[CoreModel]):
             return self._names.find(name, value)
         return integer(name, value, low=0, high=self.n_dof - 1)
 
+    def _end(self, name: Name, value: Any) -> End:
+        """A dof, or several, each by its number or name, ascending."""
+        if not isinstance(value, list | tuple | np.ndarray):
+            return self._dof(name, value)
+        return tuple(sorted(self._dof(name, dof) for dof in value))
+
+    def _ends(self, response: Any, excitation: Any) -> tuple[list[End], End, bool]:
+        """Responses and force, or sets of responses and forces, and whether one of them was asked for."""
+        if shape_of(excitation) == ():
+            force = self._dof("excitation", excitation)
+            return [*self._dofs("response", response)], force, shape_of(response) == ()
+        forces = _distinct("excitation", self._dofs("excitation", excitation))
+        r = len(forces)
+        if r > _MOST_FORCES:
+            wanted = f"at most {_MOST_FORCES} forces that act at once"
+            reject("excitation", f"{r} dofs", wanted, "Ask for fewer of them.")
+        given = [response] if shape_of(response) == () else list(response)
+        is_one = all(shape_of(one) == () for one in given)
+        ends: list[End] = []
+        for nth, one in enumerate([given] if is_one else given):
+            name: Name = "response" if is_one else part("response", nth)
+            dofs = _distinct(name, self._dofs(name, [one] if shape_of(one) == () else one))
+            if len(dofs) != r:
+                remedy = "An antiresonance of order r belongs to r responses and r forces."
+                reject(name, f"{len(dofs)} dof(s) for {r} force(s)", "as many responses as forces", remedy)
+            ends.append(tuple(dofs) if r > 1 else dofs[0])
+        if not ends:
+            reject("response", "an empty sequence", "at least one set of dofs", "Name the dofs of one.")
+        return ends, tuple(forces) if r > 1 else forces[0], is_one
+
     def _whole_shapes(self, shapes: FloatArray) -> FloatArray:
         """Shapes (n_modes, n_dof) with the motion of dofs that are taken out."""
         return shapes
@@ -522,6 +590,18 @@ class StructuralModel(AroundCore[CoreModel]):
         if ratio.ndim != 1 or ratio.size not in (1, n_modes) or ratio.min() < 0:
             reject("damping_ratio", value, wanted, "Give one ratio for all modes, or one for each.")
         return ratio
+
+
+def members(end: End) -> list[int]:
+    """The dofs of a response or force, of which there may be several."""
+    return list(end) if isinstance(end, tuple) else [end]
+
+
+def _distinct(name: Name, dofs: list[int]) -> list[int]:
+    twice = [dof for dof in dofs if dofs.count(dof) > 1]
+    if twice:
+        reject(name, f"dof {twice[0]} twice", "distinct dofs", "Leave one of the two out.")
+    return dofs
 
 
 def checked_model(model: Any) -> StructuralModel:

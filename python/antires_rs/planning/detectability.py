@@ -12,7 +12,7 @@ from ..damage.measured_states import roots_at
 from ..damage.options import DamagePrior, SearchOptions, checked_prior
 from ..exceptions import reject
 from ..models.parameters import stiffness_reduction
-from ..models.structural_model import StructuralModel, checked_model
+from ..models.structural_model import End, StructuralModel, checked_model
 from ..optimize.island_ga import seed_of, thread_count
 from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array
 from ..support.progress import one_blas_thread, waiting
@@ -35,7 +35,7 @@ def detectability(
     model: StructuralModel,
     elements: Any = None,
     *,
-    excitation: int,
+    excitation: int | tuple[int, ...],
     sensors: Any = None,
     band_hz: Any = None,
     noise: float = 0.01,
@@ -64,8 +64,8 @@ def detectability(
         The structure as it is thought to be; tests are assessed with it.
     elements, band_hz, noise, duration_s, damping_ratio, std, sees
         Candidates and the kind of test, as for :func:`plan_test`.
-    excitation : int
-        Dof of the force.
+    excitation : int or tuple of int
+        Dof of the force, or of all unknown forces that act at once.
     sensors : sequence of int, optional
         Dofs of the sensors. Default: all, of a frame all translations. A plan's: ``plan.sensors``.
     model_error : float
@@ -103,7 +103,8 @@ def detectability(
     [0, 1, 2]
     """
     chosen = tuple(elements_of(checked_model(model), elements))
-    (force,) = dofs_of("excitation", model, excitation)
+    several = dofs_of("excitation", model, excitation)
+    force: End = several[0] if len(several) == 1 else tuple(sorted(several))
     dofs = dofs_of("sensors", model, sensors)
     band, errors = band_of(model, band_hz), ExpectedErrors(noise, duration_s, damping_ratio, std)
     finite_scalar("model_error", model_error, low=0.0, high=0.3, low_open=True)
@@ -111,6 +112,9 @@ def detectability(
     choice("sees", sees, ("transmissibility", "frf"))
     if len(dofs) == 1 and sees == "transmissibility":
         reject("sensors", "1 sensor", "at least 2, for transmissibilities", "Add one, or pass sees='frf'.")
+    if len(dofs) < len(several) + (len(several) > 1 and sees == "transmissibility"):
+        got, wanted = f"{len(dofs)} for {len(several)} forces", f"{len(several) + (sees != 'frf')} or more"
+        reject("sensors", got, wanted, "Add sensors: values belong to sets of as many as there are forces.")
     options = SearchOptions(false_alarm_rate=false_alarm_rate).checked()
     given = None if severities is None else _severities(severities)
     spread = isinstance(workers, str) or callable(getattr(workers, "submit", getattr(workers, "map", None)))
@@ -175,7 +179,7 @@ def _virtual_test(
     """The test, and how many of its errors each severity moves the values in the band."""
     core = layout.roots(stiffness_reduction(elements), layout.band_hz[1], layout.sees)
     roots = roots_at(core, np.zeros((1, len(elements))), slopes=True, threads=threads)[0]
-    own = [roots.log_f[roots.response == nth] for nth in range(len(layout.sensors))]
+    own = [roots.log_f[roots.response == nth] for nth in range(len(layout.responses))]
     std = errors.of(layout, [np.exp(each) for each in own])
     inside = layout.inside(roots)
     if not inside.any():

@@ -14,10 +14,11 @@ import numpy as np
 from .. import _core
 from ..damage.measured_states import LEAST_STD, SHOWN, Roots, roots_at
 from ..models.parameters import Parameter
-from ..models.structural_model import StructuralModel
-from ..support.checks import BoolArray, FloatArray, IntArray, finite_scalar
+from ..models.structural_model import End, StructuralModel, members
+from ..support.checks import BoolArray, ComplexArray, FloatArray, IntArray, finite_scalar
 from ..updating.targets import antiresonance_objective
 
+_MOST_MINORS = 300  # so many sets of responses to several forces are looked at
 _MARGIN = 1.5  # the core looks so far beyond the highest measured value
 
 
@@ -27,13 +28,22 @@ class Layout:
 
     model: StructuralModel
     sensors: tuple[int, ...]
-    force: int
+    force: End
     band_hz: tuple[float, float]
     sees: str
 
+    @property
+    def responses(self) -> tuple[End, ...]:
+        """What values belong to: the sensors; of r forces at once sets of r sensors, of very many sets some."""
+        r = len(members(self.force))
+        if isinstance(self.force, int):
+            return self.sensors
+        every = list(combinations(self.sensors, r))
+        return tuple(every[:: -(-len(every) // _MOST_MINORS)]) if every else ()
+
     def roots(self, parameters: Sequence[Parameter], high_hz: float, sees: Any = None) -> _core.Objective:
         """The core's objective of the responses, for its roots up to ``high_hz`` (and none of its values)."""
-        parts = [(dof, self.force, np.array([high_hz / _MARGIN]), sees, 0) for dof in self.sensors]
+        parts = [(dof, self.force, np.array([high_hz / _MARGIN]), sees, 0) for dof in self.responses]
         core = self.model.description.core_parameters(parameters)
         return antiresonance_objective(self.model, core, parts, "squared", None, 0.0, None)
 
@@ -81,6 +91,24 @@ class ExpectedErrors:
         bound = f"the Cramer-Rao bound for {100.0 * self.noise:g} % noise, {self.duration_s:g} s and "
         return f"{bound}{100.0 * self.damping_ratio:g} % damping; tests repeat less well, say so by std="
 
+    def _curve(
+        self, layout: Layout, response: End, freq: FloatArray, width: FloatArray
+    ) -> tuple[ComplexArray, Any]:
+        """The response, or the minor, and what its noise over that of the sensors is a share of."""
+        rows, columns = members(response), members(layout.force)
+        h = np.stack([layout.model.frf(rows, k, freq, damping_ratio=self.damping_ratio) for k in columns])
+        if len(rows) == 1:
+            return h[0, 0], float(width @ np.abs(h[0, 0]) ** 2) / float(width.sum())
+        # To first order each sensor's noise enters the minor by the cofactors of its row.
+        h = np.moveaxis(h, 2, 0)  # (n_freq, forces, responses)
+        r = len(rows)
+        kept = [[at for at in range(r) if at != gone] for gone in range(r)]
+        cofactors = np.array(
+            [[np.linalg.det(h[:, kept[k]][:, :, kept[i]]) for i in range(r)] for k in range(r)]
+        )
+        power = np.sum(width[:, None] * np.sum(np.abs(h) ** 2, axis=1), axis=0) / width.sum()
+        return np.linalg.det(h), np.einsum("kif,i->f", np.abs(cofactors) ** 2, power)
+
     def of(self, layout: Layout, roots_hz: list[FloatArray]) -> list[FloatArray]:
         """Relative standard deviations of the roots of each sensor's response."""
         if self.std is not None:
@@ -89,12 +117,11 @@ class ExpectedErrors:
         freq = np.geomspace(_LOWEST * layout.band_hz[1], layout.band_hz[1], count)
         width = np.gradient(freq)
         found = []
-        for sensor, own in zip(layout.sensors, roots_hz, strict=True):
+        for response, own in zip(layout.responses, roots_hz, strict=True):
             if not own.size:
                 found.append(np.empty(0))
                 continue
-            curve = layout.model.frf(sensor, layout.force, freq, damping_ratio=self.damping_ratio)
-            power = float(width @ np.abs(curve) ** 2) / float(width.sum())
+            curve, power = self._curve(layout, response, freq, width)
             damping = 2j * self.damping_ratio * freq * own[:, None]
             along = curve * (2.0 * own[:, None] ** 2 + damping) / (own[:, None] ** 2 - freq**2 + damping)
             rows = np.vstack([along, curve, 1j * curve]) * np.sqrt(2.0 * self.duration_s * width / power)
@@ -132,7 +159,7 @@ def virtual_roots(
     found = roots_at(core, nominal[None], slopes=True, threads=threads)[0]
     relative = found.slopes * np.where(nominal == 0.0, 1.0, nominal)
     found = found.only(layout.inside(found) & (np.abs(relative).max(axis=1, initial=0.0) < _STEEPEST))
-    own = [found.log_f[found.response == nth] for nth in range(len(layout.sensors))]
+    own = [found.log_f[found.response == nth] for nth in range(len(layout.responses))]
     std = errors.of(layout, [np.exp(each) for each in own])
     common = {} if frf else _common(own)
     return VirtualRoots(found.response, found.slopes, np.concatenate([np.empty(0), *std]), common)
@@ -171,12 +198,21 @@ _AT_ONCE = 2_000_000  # numbers of the sets that are judged together
 
 @dataclass(frozen=True)
 class Information:
-    """Information of every candidate, (c, p, p), and of roots (s,) that some of them share."""
+    """Information of every response, (c, p, p), and of roots (s,) that some of them share.
+
+    A response is that of a candidate; of r forces at once each is of a set of r candidates, ``sets``.
+    """
 
     own: FloatArray
-    owner: IntArray  # candidate of such a root, (s,)
+    owner: IntArray  # response of such a root, (s,)
     rows: FloatArray  # its slopes over its error, (s, p)
-    share: FloatArray  # whether each other candidate shows it, (s, c) of 0 or 1
+    share: FloatArray  # whether each other response shows it, (s, c) of 0 or 1
+    n_candidates: int
+    sets: IntArray | None = None  # candidates of each response, (c, r)
+
+    def responses(self, chosen: Sequence[int]) -> IntArray:
+        """Numbers of the responses that a set of candidates has."""
+        return np.flatnonzero(self._members(np.array([chosen], dtype=np.intp))[0])
 
     @cached_property
     def _full(self) -> FloatArray:
@@ -189,15 +225,16 @@ class Information:
 
     def of(self, chosen: Sequence[int]) -> FloatArray:
         """Information of a set of candidates, (p, p)."""
-        at = np.array(chosen, dtype=np.intp)
-        rows = self.rows[np.isin(self.owner, at) & ~self._hidden(self._members(at[None]))[0]]
+        at = np.array(chosen, dtype=np.intp) if self.sets is None else self.responses(chosen)
+        members_of = self._members(np.array([chosen], dtype=np.intp))
+        rows = self.rows[np.isin(self.owner, at) & ~self._hidden(members_of)[0]]
         return np.asarray(self.own[at].sum(axis=0) + rows.T @ rows)
 
     def _members(self, sets: IntArray) -> FloatArray:
-        """Whether each candidate is in each set, 0 or 1, (sets, c)."""
-        member = np.zeros((len(sets), self.own.shape[0]))
+        """Whether each response is of candidates in each set, 0 or 1, (sets, c)."""
+        member = np.zeros((len(sets), self.n_candidates))
         np.put_along_axis(member, sets, 1.0, axis=1)
-        return member
+        return member if self.sets is None else member[:, self.sets].min(axis=2)
 
     def _hidden(self, member: FloatArray) -> BoolArray:
         """Roots of members that all other members share, (sets, s): these do not show them."""
@@ -238,19 +275,23 @@ class Information:
         return np.asarray(each.min(axis=1) + _MEAN * each.mean(axis=1))
 
 
-def information(roots: VirtualRoots, n_candidates: int, spread: FloatArray, tests: int) -> Information:
+def information(roots: VirtualRoots, layout: Layout, spread: FloatArray, tests: int) -> Information:
     """Of one force; ``spread`` (p,) are the units, ``tests`` the number of values in each difference."""
+    responses = layout.responses
     rows = roots.slopes * spread / (np.sqrt(tests) * roots.std[:, None])
     common = np.array(sorted(roots.common), dtype=np.intp)
     alone = np.setdiff1d(np.arange(rows.shape[0]), common)
-    own = np.zeros((n_candidates, rows.shape[1], rows.shape[1]))
-    for nth in range(n_candidates):
+    own = np.zeros((len(responses), rows.shape[1], rows.shape[1]))
+    for nth in range(len(responses)):
         mine = rows[alone[roots.sensor[alone] == nth]]
         own[nth] = mine.T @ mine
-    share = np.array([roots.common[root] for root in common.tolist()]).reshape(common.size, n_candidates)
+    share = np.array([roots.common[root] for root in common.tolist()]).reshape(common.size, len(responses))
     # A root's own response shows nothing beyond itself.
     share[np.arange(common.size), roots.sensor[common]] = 0.0
-    return Information(own, roots.sensor[common], rows[common], share)
+    sets = None
+    if not isinstance(layout.force, int):
+        sets = np.array([[layout.sensors.index(dof) for dof in members(one)] for one in responses])
+    return Information(own, roots.sensor[common], rows[common], share, len(layout.sensors), sets)
 
 
 # -- The best sets of sensors: greedy forwards and backwards, then exchange of one or two; or all sets
@@ -297,7 +338,7 @@ class Placed:
 
 def greedy(information: Information, n: int, criterion: str) -> Placed:
     """Greedy with exchange."""
-    count = information.own.shape[0]
+    count = information.n_candidates
     directions = (False, True) if count <= _MOST_BACKWARDS else (False,)
     ends = [_one_by_one(information, n, criterion, backwards) for backwards in directions]
     return max([_exchanged(information, criterion, end) for end in ends], key=lambda one: one.worth)
@@ -305,7 +346,7 @@ def greedy(information: Information, n: int, criterion: str) -> Placed:
 
 def exhaustive(information: Information, n: int, criterion: str) -> Placed:
     """Of all sets of n candidates the best."""
-    every = combinations(range(information.own.shape[0]), n)
+    every = combinations(range(information.n_candidates), n)
     best = -np.inf, tuple(range(n))
     while some := list(islice(every, _MOST_EXCHANGES)):
         worths = information.worths(np.array(some), criterion)
@@ -316,7 +357,7 @@ def exhaustive(information: Information, n: int, criterion: str) -> Placed:
 
 def _one_by_one(information: Information, n: int, criterion: str, backwards: bool) -> Placed:
     """The sensor that adds most joins; or, backwards, from all candidates, the one missed least goes."""
-    every = list(range(information.own.shape[0]))
+    every = list(range(information.n_candidates))
     chosen = every if backwards else []
     worth = information.worth(chosen, criterion) if backwards else -np.inf
     rounds = []
@@ -345,7 +386,7 @@ def _better(
     information: Information, criterion: str, chosen: list[int], worth: float
 ) -> tuple[float, tuple[int, ...], tuple[int, ...]] | None:
     """The best exchange of one sensor or, if none helps and there are not too many, of two."""
-    outside = [c for c in range(information.own.shape[0]) if c not in chosen]
+    outside = [c for c in range(information.n_candidates) if c not in chosen]
     for size in (1, 2):
         if comb(len(chosen), size) * comb(len(outside), size) > _MOST_EXCHANGES:
             return None
@@ -370,7 +411,7 @@ def _promising(
     information: Information, criterion: str, kept: list[int], outside: list[int], size: int, least: float
 ) -> list[tuple[int, ...]]:
     """What may join the kept ones and be worth more than ``least``: one or two, these by what each adds."""
-    if size == 1 or criterion != "determinant" or not kept:
+    if size == 1 or information.sets is not None or criterion != "determinant" or not kept:
         return list(combinations(outside, size))
     alone = information.worths(np.array([kept]), criterion, all_shown=True)[0]
     sets = np.array([[*kept, c] for c in outside])

@@ -15,7 +15,7 @@ from ..damage.options import DamagePrior
 from ..exceptions import reject
 from ..measured.antiresonance_set import aligned
 from ..models.parameters import Parameter, parameter_name, parameter_tuple, stiffness_reduction
-from ..models.structural_model import StructuralModel, checked_model
+from ..models.structural_model import End, StructuralModel, checked_model, members
 from ..optimize.island_ga import thread_count
 from ..support.checks import FloatArray, choice, frequency_band, integer, shape_of
 from ..support.progress import one_blas_thread, step, waiting
@@ -52,6 +52,17 @@ def dofs_of(name: str, model: StructuralModel, dofs: Any, default: list[int] | N
     return chosen
 
 
+def forces_of(name: str, model: StructuralModel, forces: Any, default: list[int]) -> list[End]:
+    """Places of the force, each a dof, or the dofs of several forces that act at once."""
+    if forces is None or shape_of(forces) == () or all(shape_of(one) == () for one in forces):
+        return [*dofs_of(name, model, forces, default)]
+    found: list[End] = []
+    for one in forces:
+        several = dofs_of(name, model, one)
+        found.append(several[0] if len(several) == 1 else tuple(sorted(several)))
+    return found
+
+
 def band_of(model: StructuralModel, band_hz: Any) -> tuple[float, float]:
     """The band of the identification; by default up to above the twelfth elastic resonance."""
     if band_hz is not None:
@@ -73,8 +84,8 @@ class SensorPlan(ReadOnly, Viewed):
     ----------
     sensors : tuple of int
         Dofs of the model, in the order of their rounds.
-    excitation : int
-        Dof of the force.
+    excitation : int or tuple of int
+        Dof of the force, or of all that act at once.
     criterion : {'determinant', 'worst'}
     value, value_of_all : float
         Of the criterion, with these sensors and with one on every candidate: expected information in nats; or
@@ -86,14 +97,14 @@ class SensorPlan(ReadOnly, Viewed):
         would: the linear estimate for small losses. Empty for parameters.
     std, std_before : dict of str to float
         Standard deviation of each unknown in its unit: after the test, the others unknown too; and before.
-    excitations : dict of int to float
+    excitations : dict of int or tuple to float
         ``value`` by position of the force, the best first, each with its own best sensors.
     rounds : tuple of Round
         How the sensors were found, from the first one on.
     names, labels : dict
         What elements and dofs are called.
-    value_std, errors : dict of int to (n,), and str
-        Relative standard deviation of each antiresonance of each sensor on which all this rests; and whether
+    value_std, errors : dict of int or tuple to (n,), and str
+        Relative standard deviation of each antiresonance of each sensor, or set of them, on which all this rests; and whether
         it was given, or is the Cramer-Rao bound for noise, duration and damping.
 
     Examples
@@ -104,7 +115,7 @@ class SensorPlan(ReadOnly, Viewed):
     """
 
     sensors: tuple[int, ...]
-    excitation: int
+    excitation: int | tuple[int, ...]
     criterion: str
     value: float
     value_of_all: float
@@ -113,12 +124,12 @@ class SensorPlan(ReadOnly, Viewed):
     detectable_by_all: Mapping[int, float]
     std: Mapping[str, float]
     std_before: Mapping[str, float]
-    excitations: Mapping[int, float]
+    excitations: Mapping[int | tuple[int, ...], float]
     rounds: tuple[placement.Round, ...]
     band_hz: tuple[float, float]
     names: Mapping[int, str]
-    labels: Mapping[int, str]
-    value_std: Mapping[int, FloatArray] = field(default_factory=FrozenDict)
+    labels: Mapping[int | tuple[int, ...], str]
+    value_std: Mapping[int | tuple[int, ...], FloatArray] = field(default_factory=FrozenDict)
     errors: str = ""
 
     def __repr__(self) -> str:
@@ -193,11 +204,12 @@ def plan_test(
         Elements whose damage is to be found against a baseline, zero-based; default as for
         :func:`assess_damage`. Or parameters to be updated from one test.
     n_sensors : int
-        How many, from 2 (1 with ``sees='frf'``). With as many as candidates these are judged as they are.
+        How many, from 2 (1 with ``sees='frf'``), of r forces r - 1 more. With as many as candidates these are judged as they are.
     candidates : sequence of int, optional
         Dofs that may get a sensor. Default: all, of a frame all translations.
-    excitations : int or sequence of int, optional
-        Dofs where the force may act; one of them is chosen. Default: the candidates.
+    excitations : int or sequence of int or of tuples, optional
+        Dofs where the force may act; one of them is chosen. Default: the candidates. A tuple stands for
+        unknown forces that act at once at its dofs, whose antiresonances belong to sets of as many sensors.
     band_hz : (float, float), optional
         Band of the identification in Hz. Default: from 0 to above the twelfth elastic resonance.
     noise, duration_s, damping_ratio : float
@@ -235,20 +247,20 @@ def plan_test(
     nominal = _core.nominal_values(model._core, model.description.core_parameters(parameters))
     spread = UNIFORM * np.array([high - low for low, high in (p.bounds for p in parameters)])
     sensors = dofs_of("candidates", model, candidates)
-    forces = dofs_of("excitations", model, excitations, sensors)
+    forces = forces_of("excitations", model, excitations, sensors)
     band = band_of(model, band_hz)
     errors = placement.ExpectedErrors(noise, duration_s, damping_ratio, std)
     choice("criterion", criterion, placement.CRITERIA)
     choice("sees", sees, ("transmissibility", "frf"))
     choice("search", search, ("greedy", "exhaustive"))
-    least = 1 if sees == "frf" else 2
+    least = max(len(members(force)) for force in forces) + (sees != "frf")
     n, most = integer("n_sensors", n_sensors, low=least), len(sensors)
     if n > most:
         reject("n_sensors", f"{n} of {most} candidates", f"{least} to {most}", "Allow more dofs.")
     threads = thread_count(workers)
     find = placement.exhaustive if search == "exhaustive" else placement.greedy
-    plans: dict[int, tuple[placement.Placed, placement.Information]] = {}
-    found: dict[int, placement.VirtualRoots] = {}
+    plans: dict[End, tuple[placement.Placed, placement.Information]] = {}
+    found: dict[End, placement.VirtualRoots] = {}
     with waiting("planning", progress):
         for nth, force in enumerate(forces):
             step(f"force {nth + 1} of {len(forces)}")
@@ -256,25 +268,25 @@ def plan_test(
             roots = placement.virtual_roots(layout, parameters, nominal, errors, threads)
             found[force] = roots
             # Severities come from the difference of two tests, parameters from one.
-            told = placement.information(roots, len(sensors), spread, 1 if numbers is None else 2)
+            told = placement.information(roots, layout, spread, 1 if numbers is None else 2)
             plans[force] = find(told, n, criterion), told
 
-    def shown(force: int, chosen: Sequence[int] = ()) -> int:
+    def shown(force: End, chosen: Sequence[int] = ()) -> int:
         """Antiresonances of the chosen that not all of them share."""
         placed, told = plans[force]
         own = chosen or placed.chosen
-        return int(np.isin(found[force].sensor, own).sum()) - told.n_hidden(own)
+        return int(np.isin(found[force].sensor, told.responses(own)).sum()) - told.n_hidden(own)
 
     if not any(map(shown, plans)):
         reject("band_hz", band, "a band with antiresonances", "Widen it.")
 
-    def detectable(force: int, chosen: Sequence[int]) -> FloatArray:
+    def detectable(force: End, chosen: Sequence[int]) -> FloatArray:
         """Of each element, as :func:`assess_damage` tells it after a test."""
         size, ways = np.linalg.eigh(plans[force][1].of(chosen))
         slopes = np.sqrt(np.maximum(size, 0.0))[:, None] * ways.T / spread
         return smallest_found(slopes, prior or DamagePrior(), n_values=shown(force, chosen))
 
-    def value(force: int, chosen: Sequence[int]) -> float:
+    def value(force: End, chosen: Sequence[int]) -> float:
         told = plans[force][1]
         if criterion == "determinant":
             return told.worth(chosen, criterion)
@@ -285,6 +297,8 @@ def plan_test(
     order = sorted(plans, key=lambda force: -plans[force][0].worth)
     placed, told = plans[order[0]]
     roots, everywhere = found[order[0]], range(len(sensors))
+    responses = placement.Layout(model, tuple(sensors), order[0], band, sees).responses
+    of_placed = placed.chosen if isinstance(order[0], int) else told.responses(placed.chosen).tolist()
     of_set = told.of(placed.chosen)
     after = spread * np.sqrt(np.diag(np.linalg.inv(np.eye(of_set.shape[0]) + of_set)))
     elements = numbers or ()
@@ -309,7 +323,7 @@ def plan_test(
         rounds=tuple(placement.Round(dof_of[r.added], dof_of[r.removed], r.worth) for r in placed.rounds),
         band_hz=band,
         names=FrozenDict(zip(elements, names, strict=False)),
-        labels=FrozenDict({dof: model.dof_label(dof) for dof in {*sensors, *order}}),
-        value_std=FrozenDict({sensors[at]: frozen(roots.std[roots.sensor == at]) for at in placed.chosen}),
+        labels=FrozenDict({end: model._end_label(end) for end in {*sensors, *order}}),
+        value_std=FrozenDict({responses[at]: frozen(roots.std[roots.sensor == at]) for at in of_placed}),
         errors=str(errors),
     )

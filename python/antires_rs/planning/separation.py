@@ -11,6 +11,7 @@ from ..damage.hypotheses import Hypothesis
 from ..damage.measured_states import ASSUMED_STD
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameters import stiffness_reduction
+from ..models.structural_model import End, members
 from ..support.checks import FloatArray
 from .placement import ExpectedErrors, Information, Layout, information, virtual_roots
 
@@ -42,8 +43,11 @@ def separating_test(result: DamageResult) -> str:
     first, *others = (h for h in left if ways[h.elements] is h)
     named = found.hypotheses.named
     what = f"To tell {named(first.elements)} from {' or '.join(named(h.elements) for h in others)}: "
-    sensors = {model._dof("excitation", s.excitation): [model._dof("dof", d) for d in s] for s in sets}
-    sees = {model._dof("excitation", s.excitation): s.sees or "frf" for s in sets}
+    sensors: dict[End, list[int]] = {}
+    for s in sets:
+        dofs = (dof for key in s for dof in members(model._end("dof", key)))
+        sensors[model._end("excitation", s.excitation)] = list(dict.fromkeys(dofs))
+    sees = {model._end("excitation", s.excitation): s.sees or "frf" for s in sets}
     free, used = model._sensor_dofs, sorted({dof for own in sensors.values() for dof in own})
     every = sorted({*free, *used})
     if model.n_dof * (len(sensors) * len(every) + len(used) ** 2) > _MOST:
@@ -55,11 +59,11 @@ def separating_test(result: DamageResult) -> str:
     errors = ExpectedErrors(0.0, 1.0, 0.01, float(np.median(known)) if known.size else ASSUMED_STD)
     band = float(values.min()) / _WIDER, float(values.max()) * _WIDER
 
-    def told(force: int, dofs: Sequence[int], seen: str) -> Information:
+    def told(force: End, dofs: Sequence[int], seen: str) -> Information:
         parameters = tuple(stiffness_reduction(elements))
         layout = Layout(model, tuple(dofs), force, band, seen)
         roots = virtual_roots(layout, parameters, np.zeros(len(elements)), errors, 1)
-        return information(roots, len(dofs), np.ones(len(elements)), 2)
+        return information(roots, layout, np.ones(len(elements)), 2)
 
     nothing = found.probability_of_nothing >= _WORTH_IT  # may be left, too
 

@@ -81,7 +81,7 @@ class VirtualTest:
     def measured(self, roots: Roots, rng: np.random.Generator) -> AntiresonanceSet:
         """The same as a set."""
         values, layout = self.values(roots, rng), self.layout
-        own = {dof: values.response == nth for nth, dof in enumerate(layout.sensors)}
+        own = {dof: values.response == nth for nth, dof in enumerate(layout.responses)}
         freq = {dof: np.exp(values.log_f[at]) for dof, at in own.items()}
         std = {dof: values.std[at] * freq[dof] for dof, at in own.items()}
         seen: Any = {"sees": layout.sees, "channels": layout.sensors}

@@ -12,7 +12,7 @@ import numpy as np
 from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
-from ..models.structural_model import StructuralModel
+from ..models.structural_model import End, StructuralModel, members
 from ..support.checks import BoolArray, FloatArray, finite_scalar, integer
 from ..support.messages import some
 from ..support.progress import one_blas_thread, patient, step
@@ -309,12 +309,18 @@ def _candidates(
         some_of = np.linspace(0, len(default) - 1, min(len(default), _MOST_TRIED)).round().astype(int)
         return [default[i] for i in some_of] if given is None else dofs(name, given)
 
-    seen = {dof for s in problem.measured for dof in dofs("measured dof", s.dofs if of_modes else s)}
+    measured = [s.dofs if of_modes else [d for key in s for d in _names(key)] for s in problem.measured]
+    seen = {dof for own in measured for dof in dofs("measured dof", own)}
     found = {"sensor": tried("sensors", sensors, [d for d in model._sensor_dofs if d not in seen])}
     if of_modes:
         return found
-    pushed = {*dofs("excitation", [s.excitation for s in problem.measured])}
+    pushed = {*dofs("excitation", [d for s in problem.measured for d in _names(s.excitation)])}
     return {"force": tried("forces", forces, sorted(seen - pushed)), **found}
+
+
+def _names(key: Any) -> list[Any]:
+    """The dofs that a response or a force of a set names."""
+    return list(key) if isinstance(key, tuple) else [key]
 
 
 # -- What a test of the structure with parameters x would measure exactly, and how that changes with them:
@@ -350,12 +356,14 @@ def _zeros(
 ) -> list[AntiresonanceSet]:
     """The roots of the model that have the numbers of the measured ones in the nominal model."""
     high, low = float(problem.measured_hz.max()), _LOWEST * float(problem.measured_hz.min())
-    tests: list[tuple[int, dict[int, FloatArray] | None, list[int]]] = []
+    tests: list[tuple[End, dict[End, FloatArray] | None, list[End]]] = []
     for each in problem.measured:
-        values = {model._dof("measured dof", dof): each[dof] for dof in each}
-        force = model._dof("excitation", each.excitation)
-        tests.append((force, values, [*values, *(dof for dof in sensors if dof not in values)]))
-    tests += [(force, None, tests[0][2]) for force in forces]
+        values = {model._end("measured dof", dof): each[dof] for dof in each}
+        force = model._end("excitation", each.excitation)
+        tests.append((force, values, [*values, *_with_sensors(list(values), sensors)]))
+    singly = sorted({dof for end in tests[0][2] for dof in members(end)})
+    one_each = isinstance(tests[0][0], int)
+    tests += [(force, None, tests[0][2] if one_each else [*singly]) for force in forces]
     sees = problem.measured[0].sees
     sets = []
     for force, measured, dofs in tests:
@@ -370,11 +378,20 @@ def _zeros(
                 number = np.flatnonzero((was >= low) & (was <= high))
             freq = now[number[number < now.size]]
             found[dof] = freq[freq >= low]
-        sets.append(AntiresonanceSet(force, found, sees=sees, channels=dofs))
+        channels = list(dict.fromkeys(dof for end in dofs for dof in members(end)))
+        sets.append(AntiresonanceSet(force, found, sees=sees, channels=channels))
     if not any(freq.size for each in sets for freq in each.values()):
         got = f"no antiresonance up to {high:.4g} Hz at some parameters within the bounds"
         reject("problem", got, "antiresonances in the band", "Narrow the bounds, or take a wider band.")
     return sets
+
+
+def _with_sensors(ends: list[End], sensors: tuple[int, ...]) -> list[End]:
+    """The responses that further sensors give: of several forces, one takes a place in each set of responses."""
+    if isinstance(ends[0], int):
+        return [dof for dof in sensors if dof not in ends]
+    more = ((dof, *members(end)[1:]) for dof in sensors for end in ends if dof not in members(end))
+    return [*dict.fromkeys(tuple(sorted(end)) for end in more)]
 
 
 def _modes(problem: UpdatingProblem, model: StructuralModel, sensors: tuple[int, ...]) -> list[ModalSet]:

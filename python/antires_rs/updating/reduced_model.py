@@ -85,12 +85,14 @@ class Large:
     def __init__(self, model: StructuralModel, parts: Sequence[Part], parameters: Any) -> None:
         self.core, self.parts = by_rows(model, parts)
         self._parameters = model.description.core_parameters(parameters)
-        self.sensors = sorted({part[0] for part in self.parts})
-        self.forces = sorted({part[1] for part in self.parts})
+        self.sensors = sorted({row for part in self.parts for row in part[0]})
+        self.forces = sorted({row for part in self.parts for row in part[1]})
         #: Rows of sensors and forces, and the responses where these are the first dofs.
         self.rows = sorted({*self.sensors, *self.forces})
         place = {row: number for number, row in enumerate(self.rows)}
-        self.reduced_parts = [(place[part[0]], place[part[1]], *part[2:]) for part in self.parts]
+        self.reduced_parts = [
+            ([place[i] for i in part[0]], [place[k] for k in part[1]], *part[2:]) for part in self.parts
+        ]
         hz = np.concatenate([part[2] for part in parts])
         self.measured_hz = float(hz.min()), float(hz.max())
         self.limit_hz = _BAND * self.measured_hz[1]
@@ -421,8 +423,10 @@ class ReducedProblem:
     def estimate(self, x: FloatArray) -> float:
         """Error to be expected of the paired frequencies at ``x``, relative, the largest."""
         affine, paired_hz = self._affine, self._plain.pairs(x)[0]
-        ends = np.repeat([part[:2] for part in affine.parts], [part[2].size for part in affine.parts], axis=0)
-        there = ~np.isnan(paired_hz)
+        # Of several forces the full model alone tells, where a search ends.
+        ends = [(part[0][0], part[1][0]) if len(part[0]) == 1 else (-1, -1) for part in affine.parts]
+        ends = np.repeat(ends, [part[2].size for part in affine.parts], axis=0)
+        there = ~np.isnan(paired_hz) & (ends[:, 0] >= 0)
         asked = np.unique(np.column_stack([ends, paired_hz])[there].T, axis=1)
         if asked.size == 0:
             return 0.0

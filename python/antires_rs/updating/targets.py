@@ -14,7 +14,8 @@ from .. import _core
 from ..exceptions import InvalidInputError, reject
 from ..measured.antiresonance_set import AntiresonanceSet, number
 from ..measured.modal_set import ModalSet
-from ..models.structural_model import StructuralModel
+from ..measured.response_table import label_array
+from ..models.structural_model import End, StructuralModel, members
 from ..support.checks import BoolArray, ComplexArray, FloatArray, IntArray, real_array
 from ..support.values import Value
 
@@ -86,6 +87,7 @@ class FrequencyTable(_Differences, Value):
     ----------
     dof, excitation, dof_names : ndarray of int, (m,), and dict of int to str
         Response and force, zero-based, and their names, for models that have some ("mass 3"), shown in print.
+        Of several forces at once the arrays hold tuples of dofs.
     measured_hz, before_hz, after_hz : ndarray, (m,)
         Frequencies; NaN where the model has no partner.
 
@@ -104,9 +106,15 @@ class FrequencyTable(_Differences, Value):
     after_hz: FloatArray
     dof_names: dict[int, str] = field(default_factory=dict)
 
+    def _named(self, end: End) -> str:
+        names = [
+            self.dof_names.get(dof, f"{dof:2d}" if isinstance(end, int) else str(dof)) for dof in members(end)
+        ]
+        return names[0] if isinstance(end, int) else f"({', '.join(names)})"
+
     def __str__(self) -> str:
         ends = zip(self.dof.tolist(), self.excitation.tolist(), strict=True)
-        pairs = [", ".join(self.dof_names.get(dof, f"{dof:2d}") for dof in pair) for pair in ends]
+        pairs = [", ".join(self._named(end) for end in pair) for pair in ends]
         width = max([7, *map(len, pairs)])
         head = [
             f"{'H_ik':>{width}}   measured      before             after",
@@ -167,8 +175,8 @@ Series = Callable[[], tuple[FloatArray, FloatArray]]  # complex zeros, as below
 
 def complex_zeros(
     model: StructuralModel,
-    response: int,
-    excitation: int,
+    response: End,
+    excitation: End,
     f_max_hz: float,
     parts: tuple[float, float] = (_LEAST, _MOST),
 ) -> tuple[FloatArray, FloatArray]:
@@ -176,14 +184,14 @@ def complex_zeros(
     from scipy.linalg import eigvals
 
     modes = model.modes(f_max_hz=_MODES * f_max_hz)
-    n = modes.freq_hz.size
+    n, rows, columns = modes.freq_hz.size, members(response), members(excitation)
     # Eigenvalues x of the pencil [[L - x, phi_k], [phi_i', 0]], L being the diagonal of the eigenvalues, in
     # units of the band, so that the lowest are not lost in rounding.
-    pencil, mass = np.zeros((n + 1, n + 1)), np.eye(n + 1)
+    pencil, mass = np.zeros((n + len(rows), n + len(rows))), np.eye(n + len(rows))
     pencil[np.arange(n), np.arange(n)] = (modes.freq_hz / f_max_hz) ** 2
     shapes = modes.shapes.real / np.abs(modes.shapes).max(initial=1e-300)
-    pencil[:n, n], pencil[n, :n] = shapes[:, excitation], shapes[:, response]
-    mass[n, n] = 0.0
+    pencil[:n, n:], pencil[n:, :n] = shapes[:, columns], shapes[:, rows].T
+    mass[n:, n:] = 0.0
     upper, lower = eigvals(pencil, mass, homogeneous_eigvals=True)
     finite = np.abs(lower) > 1e-12 * np.abs(upper)
     root = np.sqrt((upper[finite] / lower[finite]).astype(complex))
@@ -195,14 +203,14 @@ def complex_zeros(
 
 
 def zeros_beside(
-    model: StructuralModel, responses: Sequence[int], force: int, highest_hz: float
+    model: StructuralModel, responses: Sequence[End], force: End, highest_hz: float
 ) -> list[tuple[FloatArray, Series]]:
     """Real zeros (Hz) of each response that values up to a frequency may be near, and its complex ones."""
     limit_hz = (1.0 + 2.0 * _REACH) * highest_hz
-    core, rows = model._core_for([*responses, force])
-    found = core.antiresonances(rows[:-1], rows[-1], limit_hz, "modal", True)
+    found = roots_of(model, responses, force, limit_hz, True)
     series = [partial(complex_zeros, model, dof, force, limit_hz, (_REAL, _MOST)) for dof in responses]
-    return [(real, own) for (real, *_), own in zip(found, series, strict=True)]
+    none = np.empty(0)
+    return [(none if real is None else real, own) for real, own in zip(found, series, strict=True)]
 
 
 def usual_damping(found: AntiresonanceSet) -> float | None:
@@ -265,25 +273,27 @@ _COMPLEX = (1e-6, 0.3)  # shares of imaginary part of zeros that a small change 
 
 
 def roots_of(
-    model: StructuralModel, dofs: list[int], force: int, limit_hz: float, cancelled: bool
+    model: StructuralModel, dofs: Sequence[End], force: End, limit_hz: float, cancelled: bool
 ) -> list[FloatArray | None]:
     """Roots of each response; None of one that does not respond at all."""
-    core, rows = model._core_for([*dofs, force])
-    found = core.antiresonances(rows[:-1], rows[-1], limit_hz, "modal", cancelled)
+    core, rows = model._core_for([dof for end in (*dofs, force) for dof in members(end)])
+    r = len(members(force))
+    *responses, forces = (rows[at : at + r] for at in range(0, len(rows), r))
+    found = core.antiresonances(responses, forces, limit_hz, "modal", cancelled)
     return [None if silent else freq for freq, silent, _ in found]
 
 
 def steady(
     model: StructuralModel,
     moved: Sequence[StructuralModel],
-    dofs: list[int],
-    force: int,
+    dofs: list[End],
+    force: End,
     limit_hz: float,
     sees: Any,
-    channels: list[int],
+    channels: list[End],
 ) -> list[tuple[FloatArray, FloatArray]]:
     """Roots of each response and their weights, 0 for those that do not count, complex ones among them."""
-    listed = sorted({*dofs, *channels})
+    listed = list(dict.fromkeys([*dofs, *channels]))
     every = {
         dof: None if freq is None else (freq, complex_zeros(model, dof, force, limit_hz, _COMPLEX)[0])
         for dof, freq in zip(listed, roots_of(model, listed, force, limit_hz, True), strict=True)
@@ -326,7 +336,7 @@ def followed(own: tuple[FloatArray, FloatArray], now: FloatArray | None) -> tupl
 
 
 def _shared_by_all(
-    dof: int, every: dict[int, tuple[FloatArray, FloatArray] | None], channels: list[int]
+    dof: End, every: dict[End, tuple[FloatArray, FloatArray] | None], channels: list[End]
 ) -> BoolArray:
     """Which roots of a response all others share, also where theirs have just become complex."""
     freq = (every[dof] or (np.empty(0),))[0]
@@ -346,15 +356,17 @@ def _near(freq: FloatArray, others: FloatArray, within: float) -> BoolArray:
 MODEL_ERROR = 2e-3  # of omega^2, which a model has anyway: values known better get no more weight
 _ALIKE = "Leave them out to count all values alike."
 
-Part = tuple[int, int, FloatArray, str | None, int]  # response, force, values (Hz), sees, number of the set
+Part = tuple[End, End, FloatArray, str | None, int]  # response, force, values (Hz), sees, number of the set
+CorePart = tuple[list[int], list[int], FloatArray, str | None, int]
 #: What a model would have given if measured exactly, with weights; None if nothing.
 Exact = Callable[["StructuralModel"], tuple[list[Any], FloatArray | None] | None]
 
 
-def by_rows(model: StructuralModel, parts: Sequence[Part]) -> tuple[_core.Model, list[Part]]:
+def by_rows(model: StructuralModel, parts: Sequence[Part]) -> tuple[_core.Model, list[CorePart]]:
     """The core's model in which all measured dofs are dofs, and the parts by its rows."""
-    core, rows = model._core_for([dof for part in parts for dof in part[:2]])
-    ends = zip(rows[::2], rows[1::2], strict=True)
+    core, rows = model._core_for([dof for part in parts for end in part[:2] for dof in members(end)])
+    row = iter(rows)
+    ends = [[[next(row) for _ in members(end)] for end in part[:2]] for part in parts]
     return core, [(*end, *part[2:]) for end, part in zip(ends, parts, strict=True)]
 
 
@@ -373,8 +385,8 @@ class AntiresonanceTargets:
 
     def __init__(self, model: StructuralModel, sets: tuple[AntiresonanceSet, ...]) -> None:
         self.sets = sets
-        self.forces = [model._dof("excitation", s.excitation) for s in sets]
-        self.dofs_of = [[model._dof("measured dof", dof) for dof in s] for s in sets]
+        self.forces = [model._end("excitation", s.excitation) for s in sets]
+        self.dofs_of = [[model._end("measured dof", dof) for dof in s] for s in sets]
         self._channels = [_channels(model, s) for s in sets]
         self.parts: list[Part] = []
         self.single: list[bool] = []  # whether each is of one curve, without averages that tell its scatter
@@ -385,10 +397,12 @@ class AntiresonanceTargets:
             self._add(model, nth)
         counts = [len(part[2]) for part in self.parts]
         self.hz = np.concatenate([np.empty(0), *(part[2] for part in self.parts)])
-        self.dofs = np.repeat([part[0] for part in self.parts], counts)
-        self.excitations = np.repeat([part[1] for part in self.parts], counts)
+        self.dofs, self.excitations = (
+            np.repeat(_end_array([part[side] for part in self.parts]), counts) for side in (0, 1)
+        )
         #: What the tables call the dofs: "mass 3", "node 3 v"; none where they are numbers only.
-        labels = {dof: model.dof_label(dof) for part in self.parts for dof in part[:2]}
+        named = {dof for part in self.parts for end in part[:2] for dof in members(end)}
+        labels = {dof: model.dof_label(dof) for dof in sorted(named)}
         self.names = {d: own.removeprefix("node ") for d, own in labels.items() if own != f"dof {d}"}
 
     def _add(self, model: StructuralModel, number: int) -> None:
@@ -473,10 +487,25 @@ class AntiresonanceTargets:
         return measured
 
 
-def _channels(model: StructuralModel, found: AntiresonanceSet) -> list[int]:
-    """All responses that were measured together, none where one is no dof of the model."""
+def _end_array(ends: Sequence[End]) -> Any:
+    """Responses or forces, (n,): of integers, or where some are several dofs of objects."""
+    return np.array(ends) if all(isinstance(end, int) for end in ends) else label_array(ends)
+
+
+def _channels(model: StructuralModel, found: AntiresonanceSet) -> list[End]:
+    """All responses that were measured together, none where one is no dof of the model.
+
+    Of r forces every r channels are a response. What the keys of the set, and the sets of r channels next to
+    each other, all share is taken for what all of them share.
+    """
     try:
-        return [model._dof("dof", dof) for dof in found.channels]
+        dofs, r = [model._dof("dof", dof) for dof in found.channels], found.order
+        if r == 1 or len(dofs) <= r:
+            return [*dofs] if r == 1 else [model._end("dof", key) for key in found] if dofs else []
+        keys = [tuple(sorted(model._dof("dof", dof) for dof in key)) for key in found]
+        beside = [tuple(sorted((dofs * 2)[at : at + r])) for at in range(len(dofs))]
+        known = {frozenset(key): model._end("dof", one) for key, one in zip(keys, found, strict=True)}
+        return [known.get(frozenset(key), key) for key in dict.fromkeys([*keys, *beside])]
     except InvalidInputError:
         return []
 

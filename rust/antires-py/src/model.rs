@@ -2,7 +2,9 @@
 
 use std::sync::OnceLock;
 
-use antires_core::antiresonances::{Antiresonances, Query, Route, antiresonances, bounded_antiresonances};
+use antires_core::antiresonances::{
+    Antiresonances, Ends, Query, Route, antiresonances, bounded_antiresonances,
+};
 use antires_core::error::Error;
 use antires_core::fem::model::{Model as CoreModel, mass_spring_chain};
 use antires_core::modal::modes::{AllModes, Motion, frequency_response, low_modes};
@@ -224,19 +226,19 @@ impl Model {
         .into_pyarray(py))
     }
 
-    /// For each response: antiresonances (m,) in Hz, whether H is identically zero, and whether their number is
+    /// For each response, or set of as many responses as forces: antiresonances (m,) in Hz, whether H is identically zero, and whether their number is
     /// in doubt.
     fn antiresonances<'py>(
         &self,
         py: Python<'py>,
-        responses: Vec<usize>,
-        excitation: usize,
+        responses: Vec<Vec<usize>>,
+        excitation: Vec<usize>,
         f_max_hz: f64,
         method: &str,
         include_cancelled: bool,
     ) -> PyResult<Vec<PyRoots<'py>>> {
         let query = query(f_max_hz, method, include_cancelled)?;
-        let found = run(py, || antiresonances(&self.core, &responses, excitation, &query))?;
+        let found = run(py, || antiresonances(&self.core, &ends_of(&responses, &excitation)?, &query))?;
         Ok(found.into_iter().map(|a| (a.freq_hz.into_pyarray(py), a.identically_zero, a.doubtful)).collect())
     }
 
@@ -244,19 +246,24 @@ impl Model {
     fn bounded_antiresonances<'py>(
         &self,
         py: Python<'py>,
-        responses: Vec<usize>,
-        excitation: usize,
+        responses: Vec<Vec<usize>>,
+        excitation: Vec<usize>,
         f_max_hz: f64,
         method: &str,
         include_cancelled: bool,
     ) -> PyResult<Vec<PyBoundedRoots<'py>>> {
         let query = query(f_max_hz, method, include_cancelled)?;
-        let found = run(py, || bounded_antiresonances(&self.core, &responses, excitation, &query))?;
+        let found =
+            run(py, || bounded_antiresonances(&self.core, &ends_of(&responses, &excitation)?, &query))?;
         let bounded = |a: Antiresonances| {
             (a.freq_hz.into_pyarray(py), a.error_hz.into_pyarray(py), a.identically_zero, a.doubtful)
         };
         Ok(found.into_iter().map(bounded).collect())
     }
+}
+
+fn ends_of(responses: &[Vec<usize>], excitation: &[usize]) -> Result<Vec<Ends>, Error> {
+    responses.iter().map(|dofs| Ends::new(dofs, excitation)).collect()
 }
 
 fn query(f_max_hz: f64, method: &str, include_cancelled: bool) -> PyResult<Query> {

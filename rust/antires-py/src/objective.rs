@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use antires_core::antiresonances::Ends;
 use antires_core::error::Error;
 use antires_core::modal::mac::Shape;
 use antires_core::modal::modes::hertz;
@@ -25,8 +26,8 @@ use crate::states::{PyModalState, PyNullVectors, PyState, mode_states, null_vect
 /// Frequencies (m,), dofs (k,) and shapes (m, k) of modes measured together.
 type ModeParts<'py> = (PyReadonlyArray1<'py, f64>, Vec<usize>, PyReadonlyArray2<'py, Complex64>);
 
-/// Dof, excitation, frequencies (m,), "frf", "transmissibility" or none, and the number of those measured together.
-type TargetParts<'py> = (usize, usize, PyReadonlyArray1<'py, f64>, Option<String>, usize);
+/// Responses, as many forces, frequencies (m,), "frf", "transmissibility" or none, and the number of those measured together.
+type TargetParts<'py> = (Vec<usize>, Vec<usize>, PyReadonlyArray1<'py, f64>, Option<String>, usize);
 
 /// Partners' frequencies (m,), and MAC (m,) and shapes (m, n_dof) of modes.
 type PyPairs<'py> =
@@ -58,7 +59,7 @@ pub struct Objective {
 
 #[pymethods]
 impl Objective {
-    /// Parameters as in `parameters.rs`, targets (dof, excitation, frequencies, what they see, the number of those
+    /// Parameters as in `parameters.rs`, targets (responses, forces, frequencies, what they see, the number of those
     /// measured together), the penalty (gamma1, gamma2), weights one for each measured value.
     #[staticmethod]
     #[allow(clippy::too_many_arguments)]
@@ -316,7 +317,7 @@ impl Objective {
 }
 
 fn target_of(parts: TargetParts<'_>) -> Result<Target, Error> {
-    let (dof, excitation, freq, sees, together) = parts;
+    let (responses, forces, freq, sees, together) = parts;
     let sees = match sees.as_deref() {
         None => Sees::Unknown,
         Some("frf") => Sees::Frf,
@@ -327,7 +328,8 @@ fn target_of(parts: TargetParts<'_>) -> Result<Target, Error> {
                 .remedy("Leave it out where it is not known."));
         }
     };
-    Ok(Target { dof, excitation, freq_hz: freq.as_array().to_vec(), sees, together })
+    let ends = Ends::new(&responses, &forces)?;
+    Ok(Target { ends, freq_hz: freq.as_array().to_vec(), sees, together })
 }
 
 fn misfit_of(name: &str) -> Result<Misfit, Error> {

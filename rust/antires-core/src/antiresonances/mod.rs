@@ -15,6 +15,10 @@
 //!   ([`crate::linalg::pencil`]). It is the reference, but for roots far below the norm of the matrices: those
 //!   that the modal series isolates and Newton's method confirms on the matrices are joined to it.
 //!
+//! Of r responses I and r forces J the minor det H[I, J] takes the place of H_ik: its zeros, *antiresonances of order
+//! r*, are the roots of det(K − xM) without rows I and columns J. It has partial fractions of the same form
+//! ([`crate::modal::minor`]), so both routes serve it.
+//!
 //! Both leave out, by default, the roots that cancel against a pole
 //! ([`Receptance`](crate::modal::receptance::Receptance)), since no frequency response shows them. Dropped by
 //! both: roots that are infinite, negative, complex, or zero at working precision (the tolerances of
@@ -43,6 +47,7 @@ mod secular;
 mod sensitivities;
 mod solver;
 
+pub use crate::modal::minor::{Ends, MOST_FORCES};
 pub use of_model::{antiresonances, bounded_antiresonances};
 pub use sensitivities::{ZeroBatch, ZeroSensitivity};
 pub use solver::{AntiresonanceSolver, Antiresonances, Prepared, Query, Route, Transfer};

@@ -15,28 +15,24 @@
 
 use std::sync::Arc;
 
-use super::solver::{AntiresonanceSolver, Antiresonances, Prepared, Query, Transfer};
+use super::solver::{AntiresonanceSolver, Antiresonances, Prepared, Query, Transfer, pencil_roots};
 use crate::error::Result;
-use crate::fem::model::{Model, connected};
+use crate::fem::model::{Model, joins};
 use crate::linalg::balance::Balance;
-use crate::linalg::pencil::{Bounded, RootBounds, UNCERTAIN, real_eigenvalues, roots_near};
+use crate::linalg::pencil::{Bounded, RootBounds, UNCERTAIN, roots_near};
 use crate::linalg::sparse::SparseMatrix;
+use crate::modal::minor::Ends;
 use crate::modal::modes::{eigenvalue, hertz};
 use crate::modal::structure::{MOST_DENSE, Structure};
 
-/// Antiresonances of each response of a model.
-pub fn antiresonances(
-    model: &Model,
-    responses: &[usize],
-    excitation: usize,
-    query: &Query,
-) -> Result<Vec<Antiresonances>> {
-    each(model, responses, excitation, query, |prepared, (k_mat, m_mat), i, query| {
+/// Antiresonances of a model between each of some ends.
+pub fn antiresonances(model: &Model, every: &[Ends], query: &Query) -> Result<Vec<Antiresonances>> {
+    each(model, every, query, |prepared, (k_mat, m_mat), ends, query| {
         let mut found = Antiresonances::default();
-        let transfer = match prepared.find(i, excitation, query, &mut found.freq_hz) {
+        let transfer = match prepared.find(ends, query, &mut found.freq_hz) {
             Ok(transfer) => transfer,
             Err(error) if k_mat.n() > MOST_CHECKED => return Err(error),
-            Err(_) => return bounded(prepared, (k_mat, m_mat), (i, excitation), query),
+            Err(_) => return bounded(prepared, (k_mat, m_mat), ends, query),
         };
         found.identically_zero = transfer == Transfer::IdenticallyZero;
         found.doubtful = !found.identically_zero && prepared.is_doubtful();
@@ -45,31 +41,23 @@ pub fn antiresonances(
 }
 
 /// The same, each with a bound of its error: [`Antiresonances::error_hz`].
-pub fn bounded_antiresonances(
-    model: &Model,
-    responses: &[usize],
-    excitation: usize,
-    query: &Query,
-) -> Result<Vec<Antiresonances>> {
-    each(model, responses, excitation, query, |prepared, matrices, i, query| {
-        bounded(prepared, matrices, (i, excitation), query)
-    })
+pub fn bounded_antiresonances(model: &Model, every: &[Ends], query: &Query) -> Result<Vec<Antiresonances>> {
+    each(model, every, query, bounded)
 }
 
-/// What `find` gives for each response on the balanced matrices, in the units of the model.
+/// What `find` gives for each on the balanced matrices, in the units of the model.
 fn each(
     model: &Model,
-    responses: &[usize],
-    excitation: usize,
+    every: &[Ends],
     query: &Query,
-    find: impl Fn(&mut Prepared<'_>, (&SparseMatrix, &SparseMatrix), usize, &Query) -> Result<Antiresonances>,
+    find: impl Fn(&mut Prepared<'_>, (&SparseMatrix, &SparseMatrix), &Ends, &Query) -> Result<Antiresonances>,
 ) -> Result<Vec<Antiresonances>> {
     if model.n_dof() > MOST_DENSE {
         query.check_large(model.n_dof())?;
     }
-    model.check_dof("excitation", excitation)?;
-    for &i in responses {
-        model.check_dof("response", i)?;
+    for ends in every {
+        ends.forces().iter().try_for_each(|&k| model.check_dof("excitation", k))?;
+        ends.responses().iter().try_for_each(|&i| model.check_dof("response", i))?;
     }
     let balance = Balance::of_sparse(model.stiffness(), model.mass());
     let scaled = balance.as_ref().map(|b| (b.stiffness(model.stiffness()), b.mass(model.mass())));
@@ -85,10 +73,10 @@ fn each(
     structure.check_room()?;
     let mut solver = AntiresonanceSolver::new(&Arc::new(structure));
     let mut prepared = solver.prepare(k_mat, m_mat);
-    let mut out = Vec::with_capacity(responses.len());
-    for &i in responses {
-        let mut found = if connected(k_mat, m_mat, i, excitation) {
-            find(&mut prepared, (k_mat, m_mat), i, query)?
+    let mut out = Vec::with_capacity(every.len());
+    for ends in every {
+        let mut found = if joins(k_mat, m_mat, ends.responses(), ends.forces()) {
+            find(&mut prepared, (k_mat, m_mat), ends, query)?
         } else {
             Antiresonances { identically_zero: true, ..Antiresonances::default() }
         };
@@ -117,13 +105,13 @@ const TO_HERTZ: f64 = 4.0 * f64::EPSILON;
 pub(super) fn bounded(
     prepared: &mut Prepared<'_>,
     matrices: (&SparseMatrix, &SparseMatrix),
-    ends: (usize, usize),
+    ends: &Ends,
     query: &Query,
 ) -> Result<Antiresonances> {
-    let (i, k) = ends;
+    let (i, k) = (ends.responses(), ends.forces());
     let n = matrices.0.n();
     let mut found = Antiresonances::default();
-    let first = prepared.find(i, k, query, &mut found.freq_hz);
+    let first = prepared.find(ends, query, &mut found.freq_hz);
     if n > MOST_CHECKED {
         found.identically_zero = first? == Transfer::IdenticallyZero;
         found.doubtful = !found.identically_zero && prepared.is_doubtful();
@@ -284,27 +272,21 @@ pub(super) fn take_out(x: &mut Vec<f64>, on_poles: &[f64], by_qz: &[f64]) -> Vec
 
 /// What QZ takes for real and positive roots up to `ceiling`, ascending, well known or not.
 pub(super) fn candidates(
-    (k_mat, m_mat): (&SparseMatrix, &SparseMatrix),
-    (i, k): (usize, usize),
+    matrices: (&SparseMatrix, &SparseMatrix),
+    ends: &Ends,
     ceiling: f64,
 ) -> Result<Vec<f64>> {
-    let without = |gone: usize| -> Vec<usize> { (0..k_mat.n()).filter(|&d| d != gone).collect() };
-    let roots = real_eigenvalues(
-        k_mat.deleted(i, k).as_ref(),
-        m_mat.deleted(i, k).as_ref(),
-        (&without(i), &without(k)),
-        (0.0, ceiling),
-    )?;
-    Ok(roots.iter().map(|root| root.x).collect())
+    Ok(pencil_roots(matrices, ends, (0.0, ceiling))?.iter().map(|root| root.x).collect())
 }
 
 /// The same, of pencils whose roots may be many decades apart, once for each end: QZ knows a root by the size of the
 /// matrices near it.
 pub(super) fn at_other_scales(
     (k_mat, m_mat): (&SparseMatrix, &SparseMatrix),
-    (i, k): (usize, usize),
+    ends: &Ends,
     ceiling: f64,
 ) -> Vec<Vec<f64>> {
+    let (i, k) = (ends.responses(), ends.forces());
     if k_mat.n() > MOST_AT_SCALES {
         return Vec::new();
     }

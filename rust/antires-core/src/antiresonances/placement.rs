@@ -35,11 +35,12 @@ use faer::{Col, Mat};
 
 use crate::linalg::pencil::ROOT_UNCERTAINTY;
 use crate::linalg::sparse::SparseMatrix;
+use crate::modal::minor::Ends;
 use crate::modal::reduced::ReducedModes;
 use crate::modal::solved::Solved;
 
 /// The root of H_ik nearest to `x` within `reach`; none where there is none.
-pub(super) fn place(solved: &mut Solved<'_>, ends: (usize, usize), x: f64, reach: f64) -> Option<Placed> {
+pub(super) fn place(solved: &mut Solved<'_>, ends: &Ends, x: f64, reach: f64) -> Option<Placed> {
     let by_factors = by_factors(solved.reduced(), ends, x, reach);
     if by_factors.is_some() || !solved.may_be_dense() {
         return by_factors;
@@ -114,12 +115,7 @@ pub(super) fn newton(x: f64, reach: f64, mut step_at: impl FnMut(f64) -> Option<
 
 /// The root of H_ik nearest to `x` within `reach`, on the factors of K − xM; none where there is none, or where
 /// rounding spoils them.
-pub(super) fn by_factors(
-    reduced: &mut ReducedModes,
-    ends: (usize, usize),
-    x: f64,
-    reach: f64,
-) -> Option<Placed> {
+pub(super) fn by_factors(reduced: &mut ReducedModes, ends: &Ends, x: f64, reach: f64) -> Option<Placed> {
     newton(x, reach, |at| {
         let here = reduced.receptance_at(ends, at)?;
         Some(Step { length: -here.value / here.slope, ulp: here.ulp })
@@ -131,7 +127,7 @@ pub(super) fn by_factors(
 /// The root of det(K_ik − x M_ik) nearest to `x` within `reach`; none where there is none.
 pub(super) fn by_quotients(
     (k_mat, m_mat): (&SparseMatrix, &SparseMatrix),
-    (i, k): (usize, usize),
+    ends: &Ends,
     x: f64,
     reach: f64,
 ) -> Option<Placed> {
@@ -142,12 +138,14 @@ pub(super) fn by_quotients(
             _ => 1.0,
         })
         .collect();
-    let n = k_mat.n() - 1;
+    let without = |gone: &[usize]| -> Vec<f64> {
+        (0..k_mat.n()).filter(|d| !gone.contains(d)).map(|d| scale[d]).collect()
+    };
+    let (rows, columns) = (without(ends.responses()), without(ends.forces()));
+    let n = rows.len();
     let part = |a: &SparseMatrix| {
-        let deleted = a.deleted(i, k);
-        Mat::from_fn(n, n, |r, c| {
-            deleted[(r, c)] * scale[r + usize::from(r >= i)] * scale[c + usize::from(c >= k)]
-        })
+        let deleted = a.deleted(ends.responses(), ends.forces());
+        Mat::from_fn(n, n, |r, c| deleted[(r, c)] * rows[r] * columns[c])
     };
     let (stiffness, mass) = (part(k_mat), part(m_mat));
     let mut v = Col::from_fn(n, |r| 1.0 + 0.3 * (1.7 * r as f64).sin());
@@ -208,13 +206,13 @@ mod tests {
         let m = 30.0_f64;
         let want = 4e12 * (std::f64::consts::PI / (4.0 * m + 2.0)).sin().powi(2);
         for start in [0.999 * want, 1.0008 * want] {
-            let found = by_quotients(matrices, (30, 59), start, 2e-3 * want).unwrap();
+            let found = by_quotients(matrices, &(30, 59).into(), start, 2e-3 * want).unwrap();
             assert!((found.x / want - 1.0).abs() < 1e-12, "{found:?} {want}");
             assert!(found.ulp < 1e-12 * want);
-            assert!(by_quotients(matrices, (30, 59), start, 1e-5 * want).is_none());
+            assert!(by_quotients(matrices, &(30, 59).into(), start, 1e-5 * want).is_none());
         }
         // No pivot of the band is sound there: the masses above are the first rows, and singular.
-        assert!(by_factors(&mut band_of(&model), (30, 59), 0.999 * want, 2e-3 * want).is_none());
+        assert!(by_factors(&mut band_of(&model), &(30, 59).into(), 0.999 * want, 2e-3 * want).is_none());
     }
 
     #[test]
@@ -230,14 +228,14 @@ mod tests {
         let model = Model::new(stiffness, mass, vec![], vec![]).unwrap();
         let (matrices, mut band) = ((model.stiffness(), model.mass()), band_of(&model));
         let query = Query { route: Route::Modal, f_max_hz: f64::INFINITY, include_cancelled: false };
-        let roots = &antiresonances(&model, &[17], 30, &query).unwrap()[0].freq_hz;
+        let roots = &antiresonances(&model, &[(17, 30).into()], &query).unwrap()[0].freq_hz;
         assert!(roots.len() > 20);
         let mut settled = 0;
         for want in roots.iter().map(|&f| eigenvalue(f)) {
             let (start, reach) = (want * (1.0 + 1e-6), 1e-5 * want);
-            let deleted = by_quotients(matrices, (17, 30), start, reach).unwrap();
+            let deleted = by_quotients(matrices, &(17, 30).into(), start, reach).unwrap();
             assert!((deleted.x / want - 1.0).abs() < 1e-11);
-            if let Some(found) = by_factors(&mut band, (17, 30), start, reach) {
+            if let Some(found) = by_factors(&mut band, &(17, 30).into(), start, reach) {
                 settled += 1;
                 assert!((found.x / deleted.x - 1.0).abs() < 1e-11);
             }
@@ -251,8 +249,8 @@ mod tests {
         let (matrices, mut band) = ((model.stiffness(), model.mass()), band_of(&model));
         // The transfer from end to end of a chain has no zero.
         for x in [1.0, 1e6, 1e11, 1e13] {
-            assert!(by_factors(&mut band, (0, 59), x, 1e-2 * x).is_none());
-            assert!(by_quotients(matrices, (0, 59), x, 1e-2 * x).is_none());
+            assert!(by_factors(&mut band, &(0, 59).into(), x, 1e-2 * x).is_none());
+            assert!(by_quotients(matrices, &(0, 59).into(), x, 1e-2 * x).is_none());
         }
     }
 

@@ -14,6 +14,7 @@
 use super::placement::{Placed, place};
 use super::secular::{self, Certainty, Scratch};
 use crate::error::Result;
+use crate::modal::minor::{Ends, MinorSeries};
 use crate::modal::receptance::Receptance;
 use crate::modal::solved::Solved;
 
@@ -52,6 +53,7 @@ enum Series {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Memory {
     receptance: Receptance,
+    series: MinorSeries,
     scratch: Scratch,
     found: Found,
 }
@@ -68,29 +70,26 @@ impl Memory {
     }
 }
 
-/// The search for the roots of H_ik.
+/// The search for the roots of H_ik, or of a minor.
 pub(super) struct Search<'a, 'm> {
     /// Whether the poles of all parts of the structure are wanted: on those of others, roots cancel.
     whole: bool,
     solved: &'a mut Solved<'m>,
-    ends: (usize, usize),
+    ends: Ends,
     memory: &'a mut Memory,
 }
 
 impl<'a, 'm> Search<'a, 'm> {
-    /// The search for the roots between the dofs `ends`, response and excitation.
-    pub fn new(
-        solved: &'a mut Solved<'m>,
-        ends: (usize, usize),
-        whole: bool,
-        memory: &'a mut Memory,
-    ) -> Self {
+    /// The search for the roots between `ends`, responses and forces.
+    pub fn new(solved: &'a mut Solved<'m>, ends: Ends, whole: bool, memory: &'a mut Memory) -> Self {
         Self { whole, solved, ends, memory }
     }
 
     /// Finds the roots up to `ceiling`.
     pub fn run(&mut self, ceiling: f64) -> Result<Certainty> {
-        let (i, k) = self.ends;
+        let Some((i, k)) = self.ends.pair() else {
+            return self.minor(ceiling);
+        };
         if ceiling.is_finite() && self.solved.is_reducible() {
             let reduced = self.solved.reduced();
             if reduced.solve(k, ceiling, self.whole) {
@@ -112,7 +111,7 @@ impl<'a, 'm> Search<'a, 'm> {
 
     /// Adds the roots of the receptance in hand, in (low, high], to those found.
     fn isolate(&mut self, (low, high): (f64, f64), series: Series) -> Certainty {
-        let Memory { receptance: h, scratch, found } = &mut *self.memory;
+        let Memory { receptance: h, scratch, found, .. } = &mut *self.memory;
         for &x in h.cancelled.iter().filter(|&&x| low < x && x <= high) {
             let presence =
                 if h.is_zero || secular::is_hollow(h, x) { Presence::Open } else { Presence::Sure };
@@ -140,7 +139,7 @@ impl<'a, 'm> Search<'a, 'm> {
             };
             let moved = by_noise + by_poles;
             if !(moved <= fair * x)
-                && let Some(better) = place(self.solved, self.ends, x, REACH * moved)
+                && let Some(better) = place(self.solved, &self.ends, x, REACH * moved)
             {
                 if placed_twice(better, last_placed) {
                     certainty = Certainty::Doubtful;
@@ -166,9 +165,84 @@ impl<'a, 'm> Search<'a, 'm> {
         certainty
     }
 
+    /// The roots of a minor: isolated between its poles as spread, then refined on the series itself.
+    fn minor(&mut self, ceiling: f64) -> Result<Certainty> {
+        let Memory { receptance: h, series, scratch, found } = &mut *self.memory;
+        let ends = self.ends;
+        let reduced = ceiling.is_finite()
+            && self.solved.is_reducible()
+            && self.solved.reduced().solve_several(ends.forces(), ceiling);
+        if reduced {
+            self.solved.reduced().series(ends.responses(), series);
+            found.begin(self.solved.reduced().zero());
+        } else {
+            let solver = self.solved.dense()?;
+            series.of_all_modes(solver, &ends);
+            found.begin(solver.zero());
+        }
+        series.form(h);
+        let floor = found.floor();
+        let inside = |x: f64| floor < x && x <= ceiling;
+        for &x in h.cancelled.iter().filter(|&&x| inside(x)) {
+            found.cancel(x, if h.is_zero { Presence::Open } else { Presence::Sure });
+        }
+        if h.is_zero {
+            return Ok(Certainty::Proven);
+        }
+        let mut isolated = Vec::new();
+        let mut certainty = secular::roots(h, 0.0, ceiling, &mut isolated, scratch);
+        if series.is_open() {
+            certainty = Certainty::Doubtful;
+        }
+        for group in series.groups().iter().filter(|group| inside(group.lambda())) {
+            (0..group.cancelled).for_each(|_| found.cancel(group.lambda(), Presence::Sure));
+            let among = isolated.iter().filter(|&&x| group.holds(x)).count();
+            if among != group.cancelled && among != 0 {
+                certainty = Certainty::Doubtful;
+            }
+        }
+        isolated.retain(|&x| inside(x) && !series.groups().iter().any(|group| group.holds(x)));
+        let mut last = 0.0;
+        for x in isolated {
+            let Some(refined) = series.refined(x).filter(|root| root.x - last > FOUND_TWICE * x) else {
+                found.leave_open(x);
+                certainty = Certainty::Doubtful;
+                continue;
+            };
+            let by_poles = if reduced {
+                self.solved.reduced().pole_error(x)
+            } else {
+                self.solved.dense_in_hand().map_or(0.0, |dense| dense.uncertainty(x))
+            };
+            let moved = refined.noise + by_poles;
+            let fair = if self.solved.n_dof() <= MOST_EXACT { INEXACT_ROOT } else { DOUBTFUL_ROOT };
+            // NaN counts as moved.
+            let better =
+                if moved <= fair * x { None } else { place(self.solved, &ends, refined.x, REACH * moved) };
+            match better {
+                Some(better) if placed_twice(better, last) => certainty = Certainty::Doubtful,
+                Some(better) => {
+                    found.prove(better.x);
+                    last = better.x;
+                }
+                None if moved <= DOUBTFUL_ROOT * x => {
+                    found.prove(refined.x);
+                    last = refined.x;
+                }
+                None => {
+                    found.leave_open(refined.x);
+                    certainty = Certainty::Doubtful;
+                }
+            }
+        }
+        Ok(certainty)
+    }
+
     /// The search once more, with the low modes from factors of K − xM. All modes are in hand.
     fn divided(&mut self, ceiling: f64) -> Certainty {
-        let (i, k) = self.ends;
+        let Some((i, k)) = self.ends.pair() else {
+            return Certainty::Doubtful;
+        };
         let modes = self.solved.dense_in_hand();
         let Some(gap) = modes.and_then(|all| widest_gap(all.eigenvalues(), all.zero())) else {
             return Certainty::Doubtful;

@@ -10,7 +10,8 @@
 //!
 //! h_k without its entry i (which is H_ik = 0) and h_i without its entry k are the right and left null
 //! vectors of the deleted pencil, so this is the sensitivity of its eigenvalue: one formula, two
-//! readings. A factor on either column cancels. On a pole, where K − xM is singular, the second reading holds.
+//! readings. A factor on either column cancels. Of a minor det H[I, J] the second reading holds, with null vectors
+//! combined of the columns of all responses and forces. On a pole, where K − xM is singular, the second reading holds.
 //!
 //! Source: J. He & Y. Q. Li, Relocation of anti-resonances of a vibratory system by local structural
 //! changes, Int. J. Anal. Exp. Modal Anal. 10 (1995) 224-235; J. E. Mottershead, On the zeros of structural
@@ -27,6 +28,7 @@ use super::solver::Prepared;
 use crate::error::Result;
 use crate::fem::assembly::MatrixSlopes;
 use crate::linalg::wide::{self, NullaryFnOnce};
+use crate::modal::minor::Ends;
 
 /// The null vectors of one zero, ready to be joined with any change of the model.
 #[derive(Debug, Clone, Default)]
@@ -40,14 +42,14 @@ pub struct ZeroSensitivity {
 
 impl ZeroSensitivity {
     /// Takes up the zero `x` = ω² of H_ik.
-    pub fn set(&mut self, prepared: &mut Prepared<'_>, ends: (usize, usize), x: f64) -> Result<()> {
+    pub fn set(&mut self, prepared: &mut Prepared<'_>, ends: &Ends, x: f64) -> Result<()> {
         self.x = x;
         self.slope = prepared.columns(ends, x, &mut self.left, &mut self.right)?;
         Ok(())
     }
 
     /// Takes up a root `x` that cancels against a pole, see [`crate::modal::columns`].
-    pub fn set_cancelled(&mut self, prepared: &mut Prepared<'_>, ends: (usize, usize), x: f64) -> Result<()> {
+    pub fn set_cancelled(&mut self, prepared: &mut Prepared<'_>, ends: &Ends, x: f64) -> Result<()> {
         self.x = x;
         self.slope = prepared.vectors_on_pole(ends, x, &mut self.left, &mut self.right)?;
         Ok(())
@@ -186,7 +188,7 @@ mod tests {
         let mut prepared = solver.prepare(model.stiffness(), model.mass());
         let query = Query { route: Route::Modal, f_max_hz: f64::INFINITY, include_cancelled: false };
         let mut roots = Vec::new();
-        prepared.find(0, 0, &query, &mut roots).unwrap();
+        prepared.find(&(0, 0).into(), &query, &mut roots).unwrap();
         assert!(roots.len() > WIDTH);
         let slopes = MatrixSlopes {
             stiffness: vec![(0, 0, 2.0), (3, 4, -1.0), (4, 3, -1.0), (59, 59, 0.3)],
@@ -195,7 +197,7 @@ mod tests {
         let (mut zero, mut batch) = (ZeroSensitivity::default(), ZeroBatch::default());
         for chunk in roots.chunks(WIDTH) {
             for &hz in chunk {
-                zero.set(&mut prepared, (0, 0), eigenvalue(hz)).unwrap();
+                zero.set(&mut prepared, &(0, 0).into(), eigenvalue(hz)).unwrap();
                 batch.push(&zero, zero.along(&slopes));
             }
             assert_eq!(batch.is_full(), chunk.len() == WIDTH);

@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! let mut prepared = solver.prepare(K, M);       one evaluation
-//! prepared.find(i, k, &query, &mut freq_hz)      every response
-//! prepared.columns((i, k), x, ...)               sensitivities of the roots
+//! prepared.find(&ends, &query, &mut freq_hz)     every response
+//! prepared.columns(&ends, x, ...)                sensitivities of the roots
 //! ```
 //!
 //! # query
@@ -31,7 +31,8 @@ use super::secular::Certainty;
 use crate::error::{Error, Result};
 use crate::linalg::pencil::{PencilRoot, ROOT_UNCERTAINTY, UNCERTAIN, real_eigenvalues, refused};
 use crate::linalg::sparse::SparseMatrix;
-use crate::modal::columns::{modal_columns, on_pole};
+use crate::modal::columns::{modal_columns, of_minor, on_pole};
+use crate::modal::minor::{Ends, MinorSeries};
 use crate::modal::modes::{eigenvalue, hertz};
 use crate::modal::solved::{Solutions, Solved};
 use crate::modal::structure::{MOST_DENSE, Structure};
@@ -69,16 +70,16 @@ pub struct Prepared<'a> {
 }
 
 impl Prepared<'_> {
-    /// Antiresonances (Hz) of H_ik up to the limit of the query, appended to `freq_hz`.
+    /// Antiresonances (Hz) of H_ik, or of a minor, up to the limit of the query, appended to `freq_hz`.
     ///
     /// Where rounding leaves the modal route in doubt, the roots of the pencil join those that are proven.
-    pub fn find(&mut self, i: usize, k: usize, query: &Query, freq_hz: &mut Vec<f64>) -> Result<Transfer> {
+    pub fn find(&mut self, ends: &Ends, query: &Query, freq_hz: &mut Vec<f64>) -> Result<Transfer> {
         let ceiling = eigenvalue(query.f_max_hz);
         // The pencil has the roots of all parts of the structure, of those too that the force does not move.
         let for_pencil = query.include_cancelled || query.route == Route::Pencil;
-        let mut certainty = self.search((i, k), for_pencil, ceiling)?;
+        let mut certainty = self.search(ends, for_pencil, ceiling)?;
         if certainty == Certainty::Doubtful && !for_pencil && self.solved.may_be_dense() {
-            certainty = self.search((i, k), true, ceiling)?;
+            certainty = self.search(ends, true, ceiling)?;
         }
         if query.route == Route::Modal && self.memory.is_zero() {
             return Ok(Transfer::IdenticallyZero);
@@ -89,7 +90,7 @@ impl Prepared<'_> {
         if self.doubtful {
             found.settle_open();
         } else if query.route == Route::Pencil || certainty == Certainty::Doubtful {
-            match join(&mut self.solved, (i, k), ceiling, found) {
+            match join(&mut self.solved, ends, ceiling, found) {
                 Err(error) if query.route == Route::Pencil => return Err(error),
                 Err(_) => found.settle_open(),
                 Ok(()) => {}
@@ -102,8 +103,8 @@ impl Prepared<'_> {
         Ok(Transfer::Present)
     }
 
-    fn search(&mut self, ends: (usize, usize), whole: bool, ceiling: f64) -> Result<Certainty> {
-        Search::new(&mut self.solved, ends, whole, self.memory).run(ceiling)
+    fn search(&mut self, ends: &Ends, whole: bool, ceiling: f64) -> Result<Certainty> {
+        Search::new(&mut self.solved, *ends, whole, self.memory).run(ceiling)
     }
 
     /// Whether rounding leaves a doubt about the number of roots last found: of structures too large for the
@@ -114,7 +115,7 @@ impl Prepared<'_> {
 
     /// How far (Hz) a root at `freq_hz` may be from that of the matrices, by factors of K − xM; infinite where those
     /// do not tell.
-    pub fn bound(&mut self, ends: (usize, usize), freq_hz: f64) -> f64 {
+    pub fn bound(&mut self, ends: &Ends, freq_hz: f64) -> f64 {
         let x = eigenvalue(freq_hz);
         let ulps = FACTOR_ULPS + (self.solved.n_dof() as f64).sqrt();
         let error = match self.solved.reduced().receptance_at(ends, x) {
@@ -138,28 +139,36 @@ impl Prepared<'_> {
     /// returns leftᵀ M right.
     pub fn vectors_on_pole(
         &mut self,
-        ends: (usize, usize),
+        ends: &Ends,
         x: f64,
         left: &mut Vec<f64>,
         right: &mut Vec<f64>,
     ) -> Result<f64> {
-        Ok(on_pole(self.solved.dense()?, ends, x, left, right))
+        match ends.pair() {
+            Some(pair) => Ok(on_pole(self.solved.dense()?, pair, x, left, right)),
+            None => self.of_minor(ends, x, (left, right)),
+        }
     }
 
-    /// Columns i and k of (K − xM)⁻¹, each up to a factor, into `left` and `right`; returns leftᵀ M right.
-    pub fn columns(
-        &mut self,
-        ends: (usize, usize),
-        x: f64,
-        left: &mut Vec<f64>,
-        right: &mut Vec<f64>,
-    ) -> Result<f64> {
+    fn of_minor(&mut self, ends: &Ends, x: f64, vectors: (&mut Vec<f64>, &mut Vec<f64>)) -> Result<f64> {
+        let solver = self.solved.dense()?;
+        let mut series = MinorSeries::default();
+        series.of_all_modes(solver, ends);
+        Ok(of_minor(solver, &series, ends, x, vectors))
+    }
+
+    /// Columns i and k of (K − xM)⁻¹, each up to a factor, into `left` and `right`, or of a minor the null vectors of the
+    /// deleted pencil; returns leftᵀ M right.
+    pub fn columns(&mut self, ends: &Ends, x: f64, left: &mut Vec<f64>, right: &mut Vec<f64>) -> Result<f64> {
         if self.solved.is_reducible()
             && let Some(slope) = self.solved.reduced().columns(ends, x, left, right)
         {
             return Ok(slope);
         }
-        Ok(modal_columns(self.solved.dense()?, ends, x, left, right))
+        match ends.pair() {
+            Some(pair) => Ok(modal_columns(self.solved.dense()?, pair, x, left, right)),
+            None => self.of_minor(ends, x, (left, right)),
+        }
     }
 }
 
@@ -239,17 +248,9 @@ pub enum Transfer {
 const SAME_ROOT: f64 = 1e-6;
 
 /// Adds the roots of the pencil up to `ceiling` to those found.
-pub(super) fn join(
-    solved: &mut Solved<'_>,
-    (i, k): (usize, usize),
-    ceiling: f64,
-    found: &mut Found,
-) -> Result<()> {
-    let (k_ik, m_ik) = (solved.stiffness().deleted(i, k), solved.mass().deleted(i, k));
-    let n = solved.n_dof();
-    let without = |gone: usize| -> Vec<usize> { (0..n).filter(|&d| d != gone).collect() };
-    let mut pencil =
-        real_eigenvalues(k_ik.as_ref(), m_ik.as_ref(), (&without(i), &without(k)), (found.floor(), ceiling))?;
+pub(super) fn join(solved: &mut Solved<'_>, ends: &Ends, ceiling: f64, found: &mut Found) -> Result<()> {
+    let range = (found.floor(), ceiling);
+    let mut pencil = pencil_roots((solved.stiffness(), solved.mass()), ends, range)?;
     found.claim(|x| take_nearest(&mut pencil, x).map(|root| root.x));
     for root in pencil {
         if root.certain && (root.repeated || root.uncertainty <= DOUBTFUL_ROOT) {
@@ -257,7 +258,7 @@ pub(super) fn join(
             continue;
         }
         let reach = REACH * root.uncertainty * root.x;
-        match place(solved, (i, k), root.x, reach) {
+        match place(solved, ends, root.x, reach) {
             Some(placed) => {
                 if !found.has(placed) && placed.x <= ceiling {
                     found.prove(placed.x);
@@ -271,6 +272,18 @@ pub(super) fn join(
         }
     }
     Ok(())
+}
+
+/// The roots of the deleted pencil between two limits by QZ, well known or not.
+pub(super) fn pencil_roots(
+    (k_mat, m_mat): (&SparseMatrix, &SparseMatrix),
+    ends: &Ends,
+    range: (f64, f64),
+) -> Result<Vec<PencilRoot>> {
+    let (i, k) = (ends.responses(), ends.forces());
+    let without = |gone: &[usize]| -> Vec<usize> { (0..k_mat.n()).filter(|d| !gone.contains(d)).collect() };
+    let (a, b) = (k_mat.deleted(i, k), m_mat.deleted(i, k));
+    real_eigenvalues(a.as_ref(), b.as_ref(), (&without(i), &without(k)), range)
 }
 
 /// Takes the root nearest to `x` out of the list, if it can be the same.

@@ -199,6 +199,14 @@ impl Model {
     }
 }
 
+/// Whether every part of the structure has as many of the responses as of the forces: else det H[I, J] is zero.
+pub fn joins(stiffness: &SparseMatrix, mass: &SparseMatrix, responses: &[usize], forces: &[usize]) -> bool {
+    responses.iter().all(|&i| {
+        let of_part = |dofs: &[usize]| dofs.iter().filter(|&&d| connected(stiffness, mass, i, d)).count();
+        of_part(responses) == of_part(forces)
+    })
+}
+
 /// Whether a path of non-zero entries of K or M joins `i` to `k`.
 pub fn connected(stiffness: &SparseMatrix, mass: &SparseMatrix, i: usize, k: usize) -> bool {
     let pattern = stiffness.pattern();

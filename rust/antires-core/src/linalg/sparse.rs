@@ -256,14 +256,14 @@ impl SparseMatrix {
         }
     }
 
-    /// The dense matrix without row `i` and column `k`.
-    pub fn deleted(&self, i: usize, k: usize) -> Mat<f64> {
-        let n = self.n();
-        let mut dense = Mat::zeros(n - 1, n - 1);
+    /// The dense matrix without some rows and as many columns.
+    pub fn deleted(&self, rows: &[usize], columns: &[usize]) -> Mat<f64> {
+        let n = self.n() - rows.len();
+        let mut dense = Mat::zeros(n, n);
+        let place = |dof: usize, gone: &[usize]| dof - gone.iter().filter(|&&g| g < dof).count();
         for (row, column, value) in self.entries() {
-            if row != i && column != k {
-                let at = (row - usize::from(row > i), column - usize::from(column > k));
-                dense[at] = value;
+            if !rows.contains(&row) && !columns.contains(&column) {
+                dense[(place(row, rows), place(column, columns))] = value;
             }
         }
         dense
@@ -392,7 +392,7 @@ mod tests {
     #[test]
     fn a_row_and_a_column_can_be_left_out() {
         let (a, dense) = (sample(), sample().to_dense());
-        let left = a.deleted(1, 3);
+        let left = a.deleted(&[1], &[3]);
         for (r, i) in [0, 2, 3].into_iter().enumerate() {
             for (c, j) in [0, 1, 2].into_iter().enumerate() {
                 assert_eq!(left[(r, c)], dense[(i, j)]);

@@ -47,6 +47,7 @@
 //! Source: R. B. Nelson, Simplified calculation of eigenvector derivatives, AIAA J. 14 (1976) 1201-1205,
 //! doi 10.2514/3.7211.
 
+use super::minor::{Ends, MinorSeries, Small};
 use super::scaled::ScaledMatrices;
 use crate::linalg::banded::LARGEST_GROWTH;
 use crate::linalg::symmetric::SymmetricSolver;
@@ -72,17 +73,11 @@ pub struct ReceptanceAt {
 
 impl Columns {
     /// H_ik at `x`; none where rounding spoils the factors.
-    pub fn receptance(
-        &mut self,
-        matrices: &mut ScaledMatrices,
-        (i, k): (usize, usize),
-        x: f64,
-    ) -> Option<ReceptanceAt> {
-        let (i, k) = (matrices.structure().row(i), matrices.structure().row(k));
-        let slope = self.solve(matrices, (i, k), x)?;
+    pub fn receptance(&mut self, matrices: &mut ScaledMatrices, ends: &Ends, x: f64) -> Option<ReceptanceAt> {
+        let (value, slope) = self.solve(matrices, ends, x)?;
         let Self { u, w, .. } = self;
         let moved = matrices.stiffness().squared_form(w, u) + x * x * matrices.mass().squared_form(w, u);
-        Some(ReceptanceAt { value: u[i], slope, ulp: f64::EPSILON * moved.sqrt() / slope.abs() })
+        Some(ReceptanceAt { value, slope, ulp: f64::EPSILON * moved.sqrt() / slope.abs() })
     }
 
     /// Columns i and k of (K − xM)⁻¹ by dof, each up to a factor, into `left` and `right`; returns leftᵀ M
@@ -90,13 +85,12 @@ impl Columns {
     pub fn by_dof(
         &mut self,
         matrices: &mut ScaledMatrices,
-        (i, k): (usize, usize),
+        ends: &Ends,
         x: f64,
         left: &mut Vec<f64>,
         right: &mut Vec<f64>,
     ) -> Option<f64> {
-        let (i, k) = (matrices.structure().row(i), matrices.structure().row(k));
-        let slope = self.solve(matrices, (i, k), x)?;
+        let (_, slope) = self.solve(matrices, ends, x)?;
         for (out, column) in [(left, &self.w), (right, &self.u)] {
             out.clear();
             out.resize(matrices.n(), 0.0);
@@ -105,22 +99,38 @@ impl Columns {
         Some(slope)
     }
 
-    /// Solves for u and w at rows `i` and `k`; returns wᵀMu.
-    fn solve(&mut self, matrices: &mut ScaledMatrices, (i, k): (usize, usize), x: f64) -> Option<f64> {
+    /// Solves for u and w; returns H_ik, or bᵀH[I, J] c, and wᵀMu.
+    fn solve(&mut self, matrices: &mut ScaledMatrices, ends: &Ends, x: f64) -> Option<(f64, f64)> {
         if matrices.factorize(x) > LARGEST_GROWTH {
             return None;
         }
         let Self { u, w, mu } = self;
-        for (column, load) in [(&mut *u, k), (&mut *w, i)] {
+        let row = |dof: usize| matrices.structure().row(dof);
+        let solved = |column: &mut Vec<f64>, loads: &mut dyn Iterator<Item = (usize, f64)>| {
             zeros(column, matrices.stride());
-            column[load] = 1.0;
+            loads.for_each(|(dof, load)| column[row(dof)] = load);
             matrices.solve(column);
-        }
+        };
+        let value = if let Some((i, k)) = ends.pair() {
+            solved(u, &mut [(k, 1.0)].into_iter());
+            solved(w, &mut [(i, 1.0)].into_iter());
+            u[row(i)]
+        } else {
+            let mut h = Small::zeros(ends.forces().len());
+            for (k, &force) in ends.forces().iter().enumerate() {
+                solved(u, &mut [(force, 1.0)].into_iter());
+                ends.responses().iter().enumerate().for_each(|(i, &dof)| h.set(i, k, u[row(dof)]));
+            }
+            let null = h.null();
+            solved(u, &mut ends.forces().iter().copied().zip(null.right));
+            solved(w, &mut ends.responses().iter().copied().zip(null.left));
+            null.value
+        };
         mu.resize(matrices.stride(), 0.0);
         matrices.mass().multiply(u, mu);
         let slope: f64 = w.iter().zip(mu.iter()).map(|(a, b)| a * b).sum();
         // A dof without mass has no scale.
-        slope.is_finite().then_some(slope)
+        slope.is_finite().then_some((value, slope))
     }
 }
 
@@ -157,6 +167,33 @@ pub fn modal_columns(
         }
     }
     slope
+}
+
+/// Null vectors of the deleted pencil of a minor at `x`, on a pole too, from all modes; returns leftᵀ M right, NaN where
+/// there are more than one.
+pub fn of_minor(
+    modes: &SymmetricSolver,
+    series: &MinorSeries,
+    ends: &Ends,
+    x: f64,
+    (left, right): (&mut Vec<f64>, &mut Vec<f64>),
+) -> f64 {
+    let (lambda, phi) = (modes.eigenvalues(), modes.vectors());
+    let n = phi.nrows();
+    let (null, bordered, along) = series.null_vectors(x);
+    for (column, factors, dofs) in [(left, null.left, ends.responses()), (right, null.right, ends.forces())] {
+        zeros(column, n);
+        for r in 0..phi.ncols() {
+            let part = if bordered.contains(&r) {
+                factors[dofs.len() + r - bordered.start]
+            } else {
+                let moved: f64 = dofs.iter().zip(factors).map(|(&dof, factor)| factor * phi[(dof, r)]).sum();
+                moved * lambda.get(r).map_or(1.0, |l| (l - x).recip())
+            };
+            (0..n).for_each(|dof| column[dof] += part * phi[(dof, r)]);
+        }
+    }
+    along
 }
 
 // ---- on_pole

@@ -16,6 +16,8 @@
 //! | [`reduced`] | the poles of one load up to a limit, from a Krylov space, and the proof that none is missing |
 //! | [`solved`] | K and M of one evaluation with the solutions made of them |
 //! | [`receptance`] | H_ik as partial fractions |
+//! | [`minor`] | det H[I, J] of several responses and forces as partial fractions, and its roots beside poles |
+//! | [`several`] | the responses to several forces up to a limit, from one Krylov space |
 //! | [`columns`] | columns of (K − xM)⁻¹, what stands for them on a pole, and adjoint solutions for a mode |
 //! | [`modes`] | all modes, or those up to a limit; frequency responses |
 //! | [`mac`] | comparison with a measured shape, and its derivatives |
@@ -24,9 +26,11 @@
 
 pub(crate) mod columns;
 pub mod mac;
+pub mod minor;
 pub mod modes;
 pub(crate) mod receptance;
 pub(crate) mod reduced;
 pub(crate) mod scaled;
+pub(crate) mod several;
 pub(crate) mod solved;
 pub mod structure;

@@ -24,7 +24,7 @@ const SURE_RESIDUE: f64 = 16.0;
 const REPEATED: f64 = 32.0;
 
 /// Ulps to be expected in a sum over `n` dofs: each its own at most, of many their random walk.
-fn ulps(n: usize) -> f64 {
+pub(super) fn ulps(n: usize) -> f64 {
     (n as f64).min(16.0 * (n as f64).sqrt())
 }
 

@@ -25,8 +25,10 @@
 use std::sync::Arc;
 
 use super::columns::{Columns, ReceptanceAt};
+use super::minor::{Ends, MinorSeries};
 use super::receptance::Receptance;
 use super::scaled::{ScaledMatrices, Scope};
+use super::several::SeveralForces;
 use super::structure::{MOST_DENSE, Structure};
 use crate::linalg::factors::{Factors, Form};
 use crate::linalg::krylov::{Krylov, Operator, Start, pseudo_random};
@@ -57,6 +59,9 @@ pub struct ReducedModes {
     hidden: HiddenModes,
     columns: Columns,
     last: Option<Attempt>,
+    several: SeveralForces,
+    /// Forces and limit of the last space of several, and whether it was found.
+    last_several: Option<(Vec<usize>, f64, bool)>,
 }
 
 /// What was last asked of the matrices.
@@ -78,13 +83,15 @@ impl ReducedModes {
             hidden: HiddenModes::default(),
             columns: Columns::default(),
             last: None,
+            several: SeveralForces::default(),
+            last_several: None,
         }
     }
 
     /// Takes K and M.
     pub fn set_matrices(&mut self, k: &SparseMatrix, m: &SparseMatrix) {
         self.matrices.set(k, m);
-        (self.last, self.start) = (None, None);
+        (self.last, self.start, self.last_several) = (None, None, None);
     }
 
     /// K and M, ordered and scaled.
@@ -92,20 +99,15 @@ impl ReducedModes {
         &mut self.matrices
     }
 
-    /// H_ik at `x` on the matrices; none where rounding spoils the factors of K − xM.
-    pub fn receptance_at(&mut self, ends: (usize, usize), x: f64) -> Option<ReceptanceAt> {
+    /// H_ik at `x` on the matrices, or what a minor has for it; none where rounding spoils the factors of K − xM.
+    pub fn receptance_at(&mut self, ends: &Ends, x: f64) -> Option<ReceptanceAt> {
         self.columns.receptance(&mut self.matrices, ends, x)
     }
 
-    /// Columns i and k of (K − xM)⁻¹ by dof, each up to a factor, into `left` and `right`; returns leftᵀ M
-    /// right, none where rounding spoils the factors of K − xM.
-    pub fn columns(
-        &mut self,
-        ends: (usize, usize),
-        x: f64,
-        left: &mut Vec<f64>,
-        right: &mut Vec<f64>,
-    ) -> Option<f64> {
+    /// Columns i and k of (K − xM)⁻¹ by dof, each up to a factor, into `left` and `right`, or of a minor the
+    /// combinations of columns that its null vectors make; returns leftᵀ M right, none where rounding spoils the
+    /// factors of K − xM.
+    pub fn columns(&mut self, ends: &Ends, x: f64, left: &mut Vec<f64>, right: &mut Vec<f64>) -> Option<f64> {
         self.columns.by_dof(&mut self.matrices, ends, x, left, right)
     }
 
@@ -122,6 +124,31 @@ impl ReducedModes {
         let succeeded = self.try_solve(row, limit, scope);
         self.last = Some(Attempt { excitation, limit, scope, succeeded });
         succeeded
+    }
+
+    /// Finds the response to several forces up to `limit`, and the number of modes up to there; false where the dense
+    /// solver has to.
+    pub fn solve_several(&mut self, forces: &[usize], limit: f64) -> bool {
+        if let Some((_, _, found)) = self.last_several.as_ref().filter(|(f, l, _)| f == forces && *l == limit)
+        {
+            return *found;
+        }
+        let found = self.solve(forces[0], limit, true) && {
+            let mut modes = self.poles.modes();
+            modes.extend(self.hidden.lambda());
+            modes.retain(|&lambda| lambda <= limit);
+            let rows: Vec<usize> = forces.iter().map(|&dof| self.matrices.structure().row(dof)).collect();
+            let sigma = self.poles.sigma();
+            self.matrices.shift(sigma) && self.several.grow(&self.matrices, &rows, (sigma, limit), &modes)
+        };
+        self.last_several = Some((forces.to_vec(), limit, found));
+        found
+    }
+
+    /// The series between some responses and the forces of the last [`solve_several`](Self::solve_several).
+    pub fn series(&self, responses: &[usize], series: &mut MinorSeries) {
+        let rows: Vec<usize> = responses.iter().map(|&dof| self.matrices.structure().row(dof)).collect();
+        self.several.series(&rows, self.poles.zero(), series);
     }
 
     fn try_solve(&mut self, row: usize, limit: f64, scope: Scope) -> bool {

@@ -62,8 +62,9 @@ use crate::antiresonances::{
 };
 use crate::error::{Error, Result};
 use crate::fem::assembly::{Assembly, MatrixSlopes};
-use crate::fem::model::{Model, connected};
+use crate::fem::model::{Model, joins};
 use crate::fem::parameters::Parameter;
+use crate::modal::minor::Ends;
 use crate::modal::modes::eigenvalue;
 use crate::modal::structure::Structure;
 use crate::optimize::Interrupt;
@@ -73,13 +74,11 @@ use crate::optimize::{Candidates, Composition, Linearization, Objective, paralle
 /// that the edge of the band cuts off no partner.
 pub const BAND_MARGIN: f64 = 1.5;
 
-/// Measured antiresonances of one response to one force.
+/// Measured antiresonances of one response to one force, or of r responses to r forces.
 #[derive(Debug, Clone, Default)]
 pub struct Target {
-    /// Response dof.
-    pub dof: usize,
-    /// Dof of the force.
-    pub excitation: usize,
+    /// Dofs of response and force, or of all of them.
+    pub ends: Ends,
     /// Antiresonant frequencies (Hz); none where the response only was measured with others.
     pub freq_hz: Vec<f64>,
     /// What they were identified from.
@@ -141,12 +140,12 @@ impl AntiresonanceObjective {
         snap: f64,
     ) -> Result<Self> {
         for target in &targets {
-            model.check_dof("measured", target.dof)?;
-            model.check_dof("excitation", target.excitation)?;
+            target.ends.responses().iter().try_for_each(|&dof| model.check_dof("measured", dof))?;
+            target.ends.forces().iter().try_for_each(|&dof| model.check_dof("excitation", dof))?;
             if let Some(f) = target.freq_hz.iter().find(|f| !(f.is_finite() && **f > 0.0)) {
                 return Err(Error::input(
                     "measured",
-                    format!("{f} Hz at dof {}", target.dof),
+                    format!("{f} Hz at {}", named(target.ends.responses())),
                     "positive, finite frequencies",
                 )
                 .remedy("Drop it from the measured set: an antiresonance at 0 Hz is a rigid motion."));
@@ -159,8 +158,9 @@ impl AntiresonanceObjective {
         }
         let unknowns = Unknowns::new(model, parameters, penalty, snap)?;
         let model = &unknowns.model;
+        let (k_mat, m_mat) = (model.stiffness(), model.mass());
         let connected =
-            targets.iter().map(|t| connected(model.stiffness(), model.mass(), t.dof, t.excitation)).collect();
+            targets.iter().map(|t| joins(k_mat, m_mat, t.ends.responses(), t.ends.forces())).collect();
         let weights = vec![1.0; targets.iter().map(|t| t.freq_hz.len()).sum()];
         let others = (0..targets.len()).map(|nth| measured_with(&targets, nth)).collect();
         let structure = Arc::new(Structure::under(model, &unknowns.parameters));
@@ -262,8 +262,7 @@ impl AntiresonanceObjective {
                 f_max_hz: self.limit_hz,
                 include_cancelled: target.sees != Sees::Frf,
             };
-            let ends = (target.dof, target.excitation);
-            let found = formed.prepared.find(ends.0, ends.1, &query, hz)?;
+            let found = formed.prepared.find(&target.ends, &query, hz)?;
             *present = found == Transfer::Present;
             if query.include_cancelled && *present {
                 formed.prepared.cancelled(cancelled_hz);
@@ -300,10 +299,17 @@ impl AntiresonanceObjective {
         values.zip(&self.weights).map(|((t, f), &w)| (t, f, w))
     }
 
-    /// Response and force of a target.
-    pub(super) fn ends(&self, target: usize) -> (usize, usize) {
-        let target = &self.targets[target];
-        (target.dof, target.excitation)
+    /// Responses and forces of a target.
+    pub(super) fn ends(&self, target: usize) -> &Ends {
+        &self.targets[target].ends
+    }
+}
+
+/// Dofs in words.
+fn named(dofs: &[usize]) -> String {
+    match dofs {
+        [dof] => format!("dof {dof}"),
+        _ => format!("dofs {dofs:?}"),
     }
 }
 
@@ -643,7 +649,7 @@ mod tests {
         let model = mass_spring_chain(&[0.5, 0.4, 0.6, 0.3], &[5e4, 7e4, 4e4], 2e4, 0.0).unwrap();
         let quantities = [Quantity::StiffnessReduction, Quantity::StiffnessFactor, Quantity::MassFactor];
         let parameter = |quantity| Parameter { quantity, terms: vec![1] };
-        let target = |dof| Target { dof, freq_hz: vec![40.0, 90.0], ..Target::default() };
+        let target = |dof| Target { ends: (dof, 0).into(), freq_hz: vec![40.0, 90.0], ..Target::default() };
         AntiresonanceObjective::new(
             model,
             quantities.map(parameter).to_vec(),
@@ -710,7 +716,11 @@ mod tests {
     fn null_vectors_joined_with_a_term_are_the_slopes() {
         let model = mass_spring_chain(&[0.5, 0.4, 0.6, 0.3], &[5e4, 7e4, 4e4], 2e4, 0.0).unwrap();
         let spring = Parameter { quantity: Quantity::StiffnessFactor, terms: vec![1] };
-        let targets = [0, 2].map(|dof| Target { dof, freq_hz: vec![40.0, 90.0], ..Target::default() });
+        let targets = [0, 2].map(|dof| Target {
+            ends: (dof, 0).into(),
+            freq_hz: vec![40.0, 90.0],
+            ..Target::default()
+        });
         let objective =
             AntiresonanceObjective::new(model, vec![spring], targets.to_vec(), Misfit::Absolute, None, 0.0)
                 .unwrap();
