@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import reject
-from ..support.checks import IntArray, FloatArray, finite_scalar
+from ..support.checks import FloatArray, IntArray, finite_scalar
 from ..support.values import Value
 
 #: Number of a term and the power of the group's value that it goes with, each.
@@ -24,8 +24,8 @@ class TermGroup(Value):
     Attributes
     ----------
     name, quantity : str
-        ``quantity`` is ``"youngs_modulus"``, ``"density"``, ``"thickness"``, ``"stiffness"`` (of whole elements)
-        or ``"value"`` (a number that the input of the code holds).
+        ``quantity`` is ``"youngs_modulus"``, ``"density"``, ``"thickness"``, ``"stiffness"`` (of whole
+        elements) or ``"value"`` (a number that the input of the code holds).
     value : float or None
         Of the model as it was read, in the unit of the code; None where it has several.
     stiffness_powers, mass_powers : tuple of (int, int)
