@@ -275,7 +275,7 @@ class Deck:
     def _step(self) -> tuple[int | None, bool]:
         """The step of the frequencies, or else the first: its supports count; and whether it is of these."""
         steps = [i for i, card in enumerate(self.cards) if card.keyword == "STEP"]
-        for i, end in zip(steps, [*steps[1:], len(self.cards)], strict=True):
+        for i, end in zip(steps, [*steps, len(self.cards)][1:], strict=True):
             if any(card.keyword == "FREQUENCY" for card in self.cards[i:end]):
                 return i, True
         return (steps[0] if steps else None), False
