@@ -7,10 +7,12 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-from ..io.fe_codes import code_name, read_model
+from ..io.fe_codes import read_model
+from ..io.fe_programs import code_name
 from ..models.matrix_model import MatrixModel
 from .command import arguments, new_file, show
 
+_PASSED = "command", "out", "workers"
 _ELEMENTS = re.compile(r"\d+(-\d+)?(,\d+(-\d+)?)*")
 
 
@@ -21,9 +23,7 @@ def model(args: argparse.Namespace) -> int:
     with arguments(named):
         by_number = code_name(args.source, None, args.command) != "command"
         groups = _groups(args.groups, by_number)
-        found = read_model(
-            args.source, groups=groups, command=args.command, out=args.out, workers=args.workers
-        )
+        found = read_model(args.source, groups=groups, **{n: getattr(args, n) for n in _PASSED})
     show(args.json, _data(found), "\n".join(_lines(found, str(args.out))))
     return 0
 
