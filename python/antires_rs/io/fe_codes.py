@@ -153,7 +153,7 @@ class Finder:
     def __init__(self, code: Code, runs: Runs) -> None:
         self._code, self._runs = code, runs
         self._sizes = []
-        for matrix in runs.base.both:
+        for matrix in runs.base.both(runs.base.n_dof):
             own = np.sqrt(np.abs(matrix.diagonal()))
             self._sizes.append(np.maximum(own, 1e-6 * own.max(initial=1e-300)))
 

@@ -1,4 +1,4 @@
-"""Finite-element programs that are run: what a group of elements is to each, and the matrices that it writes."""
+"""Finite-element programs that are run: what a group is to each, and the matrices that it writes."""
 
 from __future__ import annotations
 
@@ -281,8 +281,8 @@ class OpenSees(Code):
                 if own.shape != theirs.shape or np.abs(own - theirs).max() > 1e-9 * np.abs(theirs).max():
                     self.refuse("its constraints are not those of equalDOF, rigidLink and rigidDiaphragm")
         names = [(node, code) if code else f"{node} dof {nth}" for node, code, nth in a["points"].tolist()]
-        where = (a[name] for name in ("nodes", "coordinates", "elements", "connectivity"))
-        mesh = Mesh(*where, kinds=tuple(about["kinds"]), kind=a["kind"])
+        kinds = tuple(about["kinds"])
+        mesh = Mesh(a["nodes"], a["coordinates"], a["elements"], a["connectivity"], kinds, a["kind"])
         return Run(
             k, m, names_of("dofs", names, n), n, tuple(map(tuple, ties.values())), mesh, about["defaults"]
         )
