@@ -1,4 +1,4 @@
-"""Models from runs of finite-element codes: terms, checks, what is kept; CalculiX and OpenSeesPy themselves."""
+"""Models from runs of finite-element codes: terms, checks, what is kept; CalculiX and OpenSees themselves."""
 
 import importlib.util
 import json
@@ -16,6 +16,7 @@ import pytest
 import antires_rs as ar
 from antires_rs.app.main import main as antires
 from antires_rs.io import calculix
+from antires_rs.io.matrix_files import completed
 from tests.support.refusals import refused
 
 needs_calculix = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not on PATH")
@@ -170,13 +171,8 @@ def test_a_command_that_fails_is_told(program, tmp_path):
         groups=GROUPS | {"web": 2e3},
         command=command,
     )
-    refused(
-        "which is not there. Correct command=",
-        ar.read_model,
-        source,
-        groups=GROUPS,
-        command="no_such_code {input}",
-    )
+    with pytest.raises(ar.MissingDependencyError, match="which is not there. Correct command="):
+        ar.read_model(source, groups=GROUPS, command="no_such_code {input}")
     refused("a finite number", ar.read_model, source, groups={"web": "WEB"}, command=command)
 
 
@@ -213,9 +209,9 @@ def test_the_command_line_makes_a_model_for_a_job(program, tmp_path, capsys):
     told = capsys.readouterr().out
     assert "2 dofs" in told
     assert "skin  value 4: stiffness with powers 1, 3" in told
-    assert antires([*call, "web=100", "--json"]) == 0
+    assert antires([*call, "web=100", "skin=4", "--json"]) == 0
     data = json.loads(capsys.readouterr().out)
-    assert [(row["name"], row["linear"]) for row in data["groups"]] == [("web", True)]
+    assert [(row["name"], row["linear"]) for row in data["groups"]] == [("web", True), ("skin", False)]
     model = ar.read_matrices(out)
     now = model.with_parameters(ar.stiffness_reduction("web"), [0.3])
     zeros = {dof: now.antiresonances(dof, 0) for dof in (0, 1)}
@@ -354,7 +350,7 @@ def test_what_calculix_stores_is_named_by_node_layer_and_knot(tmp_path):
     (tmp_path / "m.dof").write_text("1.1\n")
     with pytest.raises(ValueError, match="does not fit the 1 rows"):
         calculix.stored(tmp_path, "m", frozenset({1}))
-    assert calculix.errors_in("x *ERROR reading\n *MATERIAL: none") == "*ERROR reading"
+    assert calculix.errors_in("x *ERROR reading\n *MATERIAL: none") == "*ERROR reading *MATERIAL: none"
 
 
 def test_groups_of_calculix_share_no_elements(tmp_path, deck, monkeypatch):
@@ -365,3 +361,260 @@ def test_groups_of_calculix_share_no_elements(tmp_path, deck, monkeypatch):
     refused("elements that have a section", ar.read_model, plate, groups={"a": [77]})
     with pytest.raises(ar.MissingDependencyError, match="apt install calculix-ccx"):
         ar.read_model(plate, groups="Tip")
+
+
+# -- CalculiX itself: a plate of shells with a rib of solids' kind, and a block of solids
+
+
+def block(moduli=(2.1e11, 1.0e11), rho=7850.0, cells=(4, 2, 6)):
+    """Hexahedra on a clamped foot, the upper half a set of its own; and an MPC that ties two corners."""
+    nx, ny, nz = cells
+    number = {}
+    for k in range(nz + 1):
+        for j in range(ny + 1):
+            for i in range(nx + 1):
+                number[i, j, k] = len(number) + 1
+    lines = ["*NODE, NSET=NALL"]
+    lines += [f"{n}, {0.05 * i}, {0.04 * j}, {0.06 * k}" for (i, j, k), n in number.items()]
+    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+    element = 0
+    for name, layers in (("LOW", range(nz // 2)), ("HIGH", range(nz // 2, nz))):
+        lines.append(f"*ELEMENT, TYPE=C3D8I, ELSET={name}")
+        for k in layers:
+            for j in range(ny):
+                for i in range(nx):
+                    element += 1
+                    nodes = [number[i + a, j + b, k + c] for a, b, c in corners]
+                    lines.append(f"{element}, {', '.join(map(str, nodes))}")
+    lines += ["*ELSET, ELSET=EALL", "LOW, HIGH", "*ELSET, ELSET=TOP", f"{element - 3}, {element - 2}"]
+    for name, modulus in zip(("LOW", "HIGH"), moduli, strict=True):
+        lines += [f"*MATERIAL, NAME=M{name}", "*ELASTIC", f"{modulus:.10e}, 0.3", "*DENSITY", f"{rho:.10e}"]
+        lines.append(f"*SOLID SECTION, ELSET={name}, MATERIAL=M{name}")
+    one, other = number[0, 0, nz], number[nx, 0, nz]
+    lines += ["*EQUATION", "2", f"{one},2,1.,{other},2,-1.", "*BOUNDARY"]
+    lines += [f"{number[i, j, 0]}, 1, 3" for i in range(nx + 1) for j in range(ny + 1)]
+    return "\n".join(lines) + "\n", number
+
+
+def ribbed(thickness=0.02, nx=3, ny=2):
+    """A clamped plate of shells with a rib across it."""
+    lines, number, elements = ["*NODE, NSET=NALL"], {}, {"SKIN": [], "RIB": []}
+
+    def node(i, j, k):
+        if (i, j, k) not in number:
+            number[i, j, k] = len(number) + 1
+            lines.append(f"{number[i, j, k]}, {0.1 * i}, {0.1 * j}, {0.08 * k}")
+        return number[i, j, k]
+
+    around = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]
+    for i in range(nx):
+        for j in range(ny):
+            elements["SKIN"].append([node(2 * i + a, 2 * j + b, 0) for a, b in around])
+    for i in range(nx):
+        elements["RIB"].append([node(2 * i + a, ny, b) for a, b in around])
+    nth = 0
+    for name, rows in elements.items():
+        lines.append(f"*ELEMENT, TYPE=S8R, ELSET={name}")
+        for row in rows:
+            nth += 1
+            lines.append(f"{nth}, {', '.join(map(str, row))}")
+    lines += ["*MATERIAL, NAME=STEEL", "*ELASTIC", "2.1e11, 0.3", "*DENSITY", "7850."]
+    for name, t in (("SKIN", thickness), ("RIB", 0.015)):
+        lines += [f"*SHELL SECTION, ELSET={name}, MATERIAL=STEEL", f"{t:.10e}"]
+    lines += ["*BOUNDARY", *(f"{n}, 1, 6" for (i, _, _), n in number.items() if i == 0)]
+    return "\n".join(lines) + "\n", number
+
+
+def calculix_hz(text, folder, supports="", n_modes=10):
+    """Frequencies that CalculiX itself finds, with further supports."""
+    step = f"*STEP\n*FREQUENCY\n{n_modes}\n*END STEP\n"
+    (folder / "own.inp").write_text(text + supports + step)
+    subprocess.run(["ccx", "-i", "own"], cwd=folder, check=True, capture_output=True)
+    rows = [line.split() for line in (folder / "own.dat").read_text().splitlines()]
+    return np.array([float(row[3]) for row in rows if len(row) == 5 and row[0].isdigit()])[:n_modes]
+
+
+def calculix_matrices(text, folder):
+    """Stiffness and mass of a run of CalculiX with this input, not by read_model."""
+    (folder / "alone.inp").write_text(text + "*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n1\n*END STEP\n")
+    subprocess.run(["ccx", "-i", "alone"], cwd=folder, check=True, capture_output=True)
+    n = len((folder / "alone.dof").read_text().split())
+    parts = (np.loadtxt(folder / f"alone.{ending}") for ending in ("sti", "mas"))
+    return [completed(p[:, 0] - 1, p[:, 1] - 1, p[:, 2], n).tocsr() for p in parts]
+
+
+@needs_calculix
+def test_terms_of_calculix_against_its_own_runs_with_other_moduli(tmp_path):
+    text, _ = block()
+    (tmp_path / "block.inp").write_text(text)
+    groups = {"low": "LOW", "high": "HIGH", "all": "EALL:density"}
+    model = ar.read_model(tmp_path / "block.inp", groups=groups, out=tmp_path / "block.npz")
+    terms = model.description.recipe.stiffness_terms
+    whole = sum(term.sparse(model.n_dof) for term in terms)  # all elements are in a group: nothing is left
+    assert largest(whole, model.stiffness()) < 1e-12
+    assert model.default_elements == [0, 1]
+    rng = np.random.default_rng(1)
+    worst = []
+    for low, high, all_ in rng.uniform(0.5, 2.0, (SETS, 3)).round(4):
+        stiffness, mass = calculix_matrices(block((low * 2.1e11, high * 1.0e11), all_ * 7850.0)[0], tmp_path)
+        made = model.with_group_factors({"low": low, "high": high, "all": all_})
+        worst.append((largest(made.stiffness(), stiffness), largest(made.mass(), mass)))
+    assert np.max(worst) < 1e-9, np.max(worst, axis=0)
+    # A part of a section, in a model of its own.
+    top = ar.read_model(tmp_path / "block.inp", groups=["TOP"])
+    changed = ar.read_model(tmp_path / "block.inp", groups=["TOP", "LOW"]).with_group_factors({"TOP": 0.5})
+    assert largest(changed.stiffness(), top.with_group_factors({"TOP": 0.5}).stiffness()) < 1e-12
+    assert 0 < top.groups["TOP"].elements.size < 3
+
+
+@needs_calculix
+def test_frequencies_and_dips_are_those_of_calculix(tmp_path):
+    text, number = block()
+    (tmp_path / "block.inp").write_text(text)
+    model = ar.read_model(tmp_path / "block.inp", groups="elset")
+    np.testing.assert_allclose(model.modes(10).freq_hz, calculix_hz(text, tmp_path), rtol=1e-6)
+    rng = np.random.default_rng(2)
+    free = [n for (i, j, k), n in number.items() if 0 < k < 6 and i + j > 0]
+    for node in rng.choice(free, 10, replace=False):
+        for axis in (1, 2):  # a dof that is held: its frequencies are the antiresonances of the driven point
+            held = calculix_hz(text, tmp_path, f"{node}, {axis}, {axis}\n", 6)
+            name = f"{node}:{axis}"
+            dips = model.antiresonances(name, name, f_max_hz=held[-1] * 1.001, include_cancelled=True)
+            np.testing.assert_allclose(dips, held, rtol=1e-6)
+
+
+@needs_calculix
+def test_thickness_of_shells_is_a_polynomial(tmp_path):
+    text, number = ribbed()
+    (tmp_path / "plate.inp").write_text(text)
+    groups = {"skin": "SKIN:thickness", "rib": "RIB"}
+    model = ar.read_model(tmp_path / "plate.inp", groups=groups)
+    assert not model.groups["skin"].linear
+    np.testing.assert_allclose(model.modes(5).freq_hz, calculix_hz(text, tmp_path, n_modes=5), rtol=5e-6)
+    rng = np.random.default_rng(3)
+    for factor in rng.uniform(0.6, 1.6, SETS).round(3):
+        (tmp_path / "other.inp").write_text(ribbed(factor * 0.02)[0])
+        own = ar.read_model(tmp_path / "other.inp", groups=["RIB"])
+        made = model.with_group_factors({"skin": factor})
+        assert largest(made.stiffness(), own.stiffness()) < 1e-6
+        assert largest(made.mass(), own.mass()) < 1e-6
+    node = number[6, 1, 0]  # the node itself, not a layer of the shell
+    held = calculix_hz(text, tmp_path, f"{node}, 3, 3\n", 4)
+    np.testing.assert_allclose(
+        model.antiresonances(f"{node}:Z", f"{node}:Z", f_max_hz=held[-1] * 1.001, include_cancelled=True),
+        held,
+        rtol=1e-4,
+    )
+
+
+# -- OpenSeesPy itself: a frame in space with rigid floors
+
+FRAME = """
+    import openseespy.opensees as ops
+
+    def build(e_columns=3.0e10, e_beams=2.5e10, depth=0.3, rho=225.0, held=0, stories=3):
+        ops.wipe()
+        ops.model("basic", "-ndm", 3, "-ndf", 6)
+        corners = [(0, 0), (5, 0), (5, 4), (0, 4)]
+        for k in range(stories + 1):
+            for c, (x, y) in enumerate(corners, 1):
+                ops.node(10 * k + c, x, y, 3.0 * k)
+        for c in range(1, 5):
+            ops.fix(c, 1, 1, 1, 1, 1, 1)
+        ops.geomTransf("Linear", 1, 1, 0, 0)
+        ops.geomTransf("Linear", 2, 0, 0, 1)
+        area, strong, weak = 0.3 * depth, 0.3 * depth**3 / 12, depth * 0.3**3 / 12
+        for k in range(1, stories + 1):
+            for c in range(1, 5):
+                column = (area, e_columns, e_columns / 2.4, 1e-3, strong, weak, 1, "-mass", rho)
+                ops.element("elasticBeamColumn", 10 * k + c, 10 * k - 10 + c, 10 * k + c, *column)
+                beam = (0.09, e_beams, e_beams / 2.4, 1e-3, 7e-4, 7e-4, 2)
+                ops.element("elasticBeamColumn", 100 + 10 * k + c, 10 * k + c, 10 * k + c % 4 + 1, *beam)
+            ops.node(1000 + k, 2.4, 2.1, 3.0 * k)
+            ops.mass(1000 + k, 2e4, 2e4, 0.0, 0.0, 0.0, 6e4)
+            ops.fix(1000 + k, 0, 0, 1, 1, 1, 0)
+            ops.rigidDiaphragm(3, 1000 + k, *(10 * k + c for c in range(1, 5)))
+        ops.node(2000, 5.5, 0.0, 3.0)
+        ops.rigidLink("beam", 1001, 2000)
+        ops.mass(2000, 100.0, 100.0, 100.0, 1.0, 1.0, 1.0)
+        ops.node(3000, 0.0, 0.0, 5.0)
+        ops.mass(3000, 300.0, 300.0, 0.0, 0.0, 0.0, 0.0)
+        ops.fix(3000, 0, 0, 1, 1, 1, 1)
+        ops.equalDOF(1002, 3000, 1, 2)
+        if held:
+            ops.fix(1003, held == 1, held == 2, 0, 0, 0, 0)
+
+    if __name__ == "__main__":
+        build()
+"""
+OWN_HZ = """
+    import json, sys
+    import openseespy.opensees as ops
+    from frame import build
+
+    found = []
+    for values in json.loads(sys.argv[1]):
+        build(**values)
+        ops.constraints("Transformation")
+        found.append([each**0.5 / 6.283185307179586 for each in ops.eigen("-genBandArpack", 9)])
+    open("hz.json", "w").write(json.dumps(found))
+"""
+
+
+@pytest.fixture
+def frame(tmp_path):
+    (tmp_path / "frame.py").write_text(textwrap.dedent(FRAME))
+    (tmp_path / "own_hz.py").write_text(textwrap.dedent(OWN_HZ))
+
+    def own_hz(*several):
+        call = [sys.executable, "own_hz.py", json.dumps(several)]
+        subprocess.run(call, cwd=tmp_path, check=True, capture_output=True)
+        return json.loads((tmp_path / "hz.json").read_text())
+
+    return tmp_path / "frame.py", own_hz
+
+
+@needs_opensees
+def test_terms_of_opensees_against_its_own_runs(frame):
+    script, own_hz = frame
+    groups = {"columns": "e_columns", "beams": "e_beams", "rho": "rho"}
+    model = ar.read_model(f"{script}:build", groups=groups)
+    assert model.groups["columns"].value == 3.0e10
+    assert all(group.linear for group in model.groups.values())
+    rng = np.random.default_rng(4)
+    sets = [dict(zip(groups, each, strict=True)) for each in rng.uniform(0.5, 2.0, (SETS, 3))]
+    values = [
+        {"e_columns": 3e10 * s["columns"], "e_beams": 2.5e10 * s["beams"], "rho": 225 * s["rho"]}
+        for s in sets
+    ]
+    nominal, *others = own_hz({}, *values)
+    np.testing.assert_allclose(model.modes(9).freq_hz, nominal, rtol=1e-9)
+    for s, own in zip(sets, others, strict=True):
+        np.testing.assert_allclose(model.with_group_factors(s).modes(9).freq_hz, own, rtol=1e-8)
+    # The driven point of the upper floor, held: its frequencies are the antiresonances.
+    held = own_hz({"held": 1})[0][:6]
+    dips = model.antiresonances("1003:X", "1003:X", f_max_hz=held[-1] * 1.001)
+    assert all(np.min(np.abs(np.asarray(held) / hz - 1.0)) < 1e-6 for hz in dips)
+    assert model.dof("2000:uz") >= 0  # a node on a rigid link may have a sensor
+
+
+@needs_opensees
+def test_elements_and_polynomials_of_opensees(frame):
+    script, own_hz = frame
+    elements = {f"story {k}": [10 * k + c for c in range(1, 5)] for k in (1, 2, 3)}
+    model = ar.read_model(script, groups=elements)
+    assert [model.element_label(i) for i in model.default_elements] == list(elements)
+    assert model.groups["story 2"].mass_powers == ((1, 1),)
+    three = model.with_parameters(ar.stiffness_factor(list(elements), bounds=(0.1, 2.0)), [1.3] * 3)
+    np.testing.assert_allclose(three.modes(9).freq_hz, own_hz({"e_columns": 1.3 * 3.0e10})[0], rtol=1e-9)
+    deep = ar.read_model(f"{script}:build", groups=["depth"])
+    assert sorted(power for _, power in deep.groups["depth"].stiffness_powers) == [1, 3]
+    for factor in (0.6, 0.85, 1.4):
+        own = own_hz({"depth": 0.3 * factor})[0]
+        np.testing.assert_allclose(
+            deep.with_group_factors({"depth": factor}).modes(9).freq_hz, own, rtol=1e-6
+        )
+    refused("the model has no element 77", ar.read_model, script, groups={"a": [77]})
+    refused("has no argument 'e'", ar.read_model, f"{script}:build", groups="e")
+    refused('Name the function: "frame.py:build"', ar.read_model, script, groups="depth")
+    refused("no function 'made'", ar.read_model, f"{script}:made", groups="depth")
