@@ -30,7 +30,7 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording, parts_of
 from ..support.checks import FloatArray
 from ..updating.result import UpdateResult
-from ..updating.targets import ModalTable, signed
+from ..updating.targets import FrequencyTable, ModalTable, signed
 from . import responses
 from .canvas import picture
 from .damage import WORTH_A_ROW, losses, plot_damage, plot_hypotheses, probabilities, worth_a_row
@@ -293,6 +293,7 @@ class Drawings:
 
     figures: Mapping[str, Figure]
     diagrams: Mapping[Any, Figure]
+    beside: ModalTable | None = None  # measured modes that were not fitted
 
 
 def drawings_of(
@@ -300,6 +301,7 @@ def drawings_of(
     response: FrequencyResponse | None = None,
     truth: Mapping[int, float] | None = None,
     diagrams: Mapping[Any, StabilizationDiagram] | None = None,
+    beside: ModalTable | None = None,
 ) -> Drawings:
     """Figures of a result; ``diagrams`` are by default those that its measured sets carry."""
     problem, names, table, history = result.problem, states(result), result.table, result.history
@@ -307,14 +309,9 @@ def drawings_of(
     what = "resonance" if modal else "antiresonance"
     figures = _damage(result, truth) if isinstance(result, DamageResult) else {}
     figures |= _model(result)
-    most = " and ".join(map(" ".join, zip(largest(result), names, strict=True)))
-    figures["differences"] = Figure(
-        partial(plot_differences, table, names=names),
-        (9.5, 4.6),
-        f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
-        f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is {most}",
-        lambda: explored(differences(table, names), height=360, side_by_side=1),  # entries are long
-    )
+    figures["differences"] = _differences(table, names, what)
+    if beside is not None:
+        figures["modes"] = _differences(beside, names, "resonance")
     if response is not None:
         figures["response"] = _response(result, response, names)
     if history.cost.size:  # nothing is searched against a baseline
@@ -331,7 +328,18 @@ def drawings_of(
     elif diagrams is None:
         forces = [each.excitation for each in sets]
         diagrams = named_diagrams([each.diagrams for each in sets], forces, problem.model)
-    return Drawings(figures, {name: _diagram(name, one, modal) for name, one in diagrams.items()})
+    return Drawings(figures, {name: _diagram(name, one, modal) for name, one in diagrams.items()}, beside)
+
+
+def _differences(table: FrequencyTable | ModalTable, names: tuple[str, str], what: str) -> Figure:
+    most = " and ".join(map(" ".join, zip(largest(table), names, strict=True)))
+    return Figure(
+        partial(plot_differences, table, names=names),
+        (9.5, 4.6),
+        f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
+        f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is {most}",
+        lambda: explored(differences(table, names), height=360, side_by_side=1),  # entries are long
+    )
 
 
 def fitting(drawn: Drawings, room: int = MOST_BYTES) -> tuple[list[tuple[Figure, str]], int]:
@@ -465,9 +473,9 @@ def states(result: UpdateResult) -> tuple[str, str]:
     return ("without damage", "with the damage found") if damage else ("before updating", "after updating")
 
 
-def largest(result: UpdateResult) -> list[str]:
+def largest(table: FrequencyTable | ModalTable) -> list[str]:
     """The largest differences before and after in words."""
-    both = (result.table.largest_before_percent, result.table.largest_after_percent)
+    both = (table.largest_before_percent, table.largest_after_percent)
     return [f"{percent:.2f} %" if np.isfinite(percent) else "no partner at all" for percent in both]
 
 
@@ -476,7 +484,7 @@ def answer_of(result: UpdateResult) -> list[str]:
     if isinstance(result, DamageResult):
         return list(result._headline())
     what = "resonance" if result.problem.objective == "modal" else "antiresonance"
-    return ["Largest {} difference: {} before, {} after.".format(what, *largest(result))]
+    return ["Largest {} difference: {} before, {} after.".format(what, *largest(result.table))]
 
 
 # -- The tables of a report, cell by cell
@@ -492,8 +500,10 @@ class Table(NamedTuple):
     note: str = ""
 
 
-def tables_of(result: UpdateResult, truth: Mapping[int, float] | None = None) -> dict[str, Table]:
-    """Hypotheses, where they were judged, values found, frequencies."""
+def tables_of(
+    result: UpdateResult, truth: Mapping[int, float] | None = None, beside: ModalTable | None = None
+) -> dict[str, Table]:
+    """Hypotheses, where they were judged, values found, frequencies, modes beside them."""
     tables: dict[str, Table] = {}
     judged = isinstance(result, DamageResult) and result.has_baseline
     if isinstance(result, DamageResult):
@@ -521,14 +531,22 @@ def tables_of(result: UpdateResult, truth: Mapping[int, float] | None = None) ->
             cells = (name, f"{nominal:.5g}", f"{value:#.5g}", _deviation(std), change, f"{low:g} to {high:g}")
             rows.append(dict(zip(heads, cells, strict=True)) | {"on_bound": name in result.at_bound})
         tables["found"] = Table("Parameters", heads, rows, "on_bound")
-    modal = result.problem.objective == "modal"
+    corrected = ", corrected by the baseline" * judged
+    tables["frequencies"] = _frequencies(result.table, states(result), corrected)
+    return tables | ({} if beside is None else {"modes": _frequencies(beside, states(result))})
+
+
+def _frequencies(table: FrequencyTable | ModalTable, names: tuple[str, str], corrected: str = "") -> Table:
+    """Measured values with those of the model before and after."""
+    modal = isinstance(table, ModalTable)
     heads = {"mode": "mode"} if modal else {"dof": "response dof", "force": "force dof"}
-    heads["measured"] = f"measured{', corrected by the baseline' if judged else ''} (Hz)"
-    for state, name in zip(("before", "after"), states(result), strict=True):
+    heads["measured"] = f"measured{corrected} (Hz)"
+    for state, name in zip(("before", "after"), names, strict=True):
+        heads |= {f"{state}_mode": "paired with mode"} if modal else {}
         heads |= {state: f"{name} (Hz)", f"{state}_percent": "difference (%)"}
         heads |= {f"{state}_mac": "MAC"} if modal else {}
     title = "Resonances" if modal else "Antiresonances"
-    return tables | {"frequencies": Table(title, heads, _frequency_rows(result, list(heads)), "group")}
+    return Table(title, heads, _frequency_rows(table, list(heads)), "group")
 
 
 def _smallest(result: DamageResult) -> str:
@@ -593,13 +611,14 @@ def hypothesis_rows(found: Assessment) -> tuple[list[dict[str, Any]], str]:
     return rows, f"{others} others, together {_probability(rest)} %." if others else ""
 
 
-def _frequency_rows(result: UpdateResult, names: list[str]) -> list[dict[str, Any]]:
+def _frequency_rows(table: Any, names: list[str]) -> list[dict[str, Any]]:
     """Each measured value with the model's before and after; the response is named once."""
-    table: Any = result.table
 
     def cell(name: str, value: float) -> str:
         if not np.isfinite(value):
             return "no partner"
+        if name.endswith("mode"):
+            return f"{value:.0f}"
         return signed(value) if name.endswith("percent") else f"{value:.3f}"
 
     columns = {

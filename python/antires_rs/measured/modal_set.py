@@ -89,6 +89,11 @@ class ModalSet(ReadOnly):
         for name, std in (("std_hz", std_hz), ("std_shapes", std_shapes)):
             self._fill(**{name: _each(name, std, freq.size, least=0.0)})
 
+    def at_dofs(self, columns: list[int], dofs: Iterable[Any]) -> ModalSet:
+        """The set with these columns of the shapes, which are of ``dofs``."""
+        known = {name: getattr(self, name) for name in _COLUMNS}
+        return ModalSet(self.freq_hz, self.shapes[:, columns], dofs, diagram=self.diagram, **known)
+
     def mac(self, other: ModalSet) -> FloatArray:
         """Modal assurance criterion between two sets of shapes, over the dofs that both have.
 
@@ -155,7 +160,9 @@ class ModalSet(ReadOnly):
             text = Path(path).read_text(encoding="utf-8")
             data = marked_json(text, str(path), _FORMAT, _VERSION, _WANTED, _ANOTHER)
             modes, dofs = data["modes"], data["dofs"]
-            columns = {name: [mode[name] for mode in modes] for name in _COLUMNS if modes and name in modes[0]}
+            columns = {
+                name: [mode[name] for mode in modes] for name in _COLUMNS if modes and name in modes[0]
+            }
             shapes = np.array([mode["real"] for mode in modes], dtype=np.float64).reshape(-1, len(dofs))
             if modes and "imaginary" in modes[0]:
                 shapes = shapes + 1j * np.array([mode["imaginary"] for mode in modes], dtype=np.float64)
@@ -163,7 +170,9 @@ class ModalSet(ReadOnly):
         except (KeyError, TypeError, ValueError, AttributeError) as exc:
             if isinstance(exc, InvalidInputError) and exc.argument == "path":
                 raise
-            raise InvalidInputError("path", f"{str(path)!r}, which is damaged ({exc})", _WANTED, _ANOTHER) from exc
+            raise InvalidInputError(
+                "path", f"{str(path)!r}, which is damaged ({exc})", _WANTED, _ANOTHER
+            ) from exc
 
     def __len__(self) -> int:
         return int(self.freq_hz.size)

@@ -461,8 +461,8 @@ class AntiresonanceTargets:
 
     def table(self, core: _core.Objective, x: Sequence[FloatArray], _: object) -> FrequencyTable:
         """Measured, before and after."""
-        hz = (core.pairs(at)[0] for at in x)
-        return FrequencyTable(self.dofs, self.excitations, self.hz, *hz, self.names)
+        before, after = (core.pairs(at)[0] for at in x)
+        return FrequencyTable(self.dofs, self.excitations, self.hz, before, after, self.names)
 
     def exact(self, nominal: StructuralModel, _: FloatArray, moved: Sequence[StructuralModel]) -> Exact:
         """Antiresonances up to the highest measured one that can be followed from the nominal model."""
