@@ -19,8 +19,8 @@ from .identification.rational_fit import RationalFit, fit_rational
 from .identification.stabilization import StabilizationDiagram, stabilization
 from .io import (
     from_sep005, read_csv, read_excel, read_frf_files, read_hdf5, read_lvm, read_mat, read_matrices,
-    read_miniseed, read_npz, read_parquet, read_tdms, read_uff, read_wav, to_sep005, write_csv, write_hdf5,
-    write_mat, write_matrices, write_npz, write_uff
+    read_miniseed, read_model, read_npz, read_parquet, read_tdms, read_uff, read_wav, to_sep005, write_csv,
+    write_hdf5, write_mat, write_matrices, write_npz, write_uff
 )
 from .measured.antiresonance_set import AntiresonanceSet
 from .measured.compare import Comparison, compare
@@ -36,6 +36,7 @@ from .models.parameters import (
     Parameter, angle, density, diameter, inertia, length, mass_factor, point_mass, position,
     stiffness_factor, stiffness_reduction, support_stiffness, thickness, youngs_modulus
 )
+from .models.term_groups import Mesh, TermGroup
 from .optimize.island_ga import History, IslandGA, OptimizeResult
 from .planning.detectability import detectability
 from .planning.detection_curves import DetectionCurves
@@ -65,19 +66,19 @@ __all__ = [
     "Chart", "Comparison", "Constrained", "DamagePenalty", "DamagePrior", "DamageResult", "DataCheck",
     "DetectionCurves", "Fault", "Finding", "FitOptions", "FrameModel", "FrequencyResponse", "FrequencyTable",
     "GroundSpring", "History", "Hypotheses", "Hypothesis", "InternalError", "InvalidInputError", "IslandGA",
-    "LostWorkerError", "MassSpringChain", "MatrixModel", "MissingDependencyError", "ModalSet", "ModalTable",
-    "NodeSpring", "NumericalError", "ObjectiveError", "OptimizeResult", "OutOfMemoryError", "Parameter",
-    "ParameterIntervals", "PointMass", "ProfileLikelihood", "RationalFit", "Recording", "Rectangle",
-    "Reduction", "ReductionReport", "Round", "SampledSet", "SearchOptions", "Section", "SensorPlan", "Series",
-    "SeverityIntervals", "StabilizationDiagram", "TrackEvent", "Tracks", "Tube", "UnsuitableDataError",
-    "UpdateEnsemble", "UpdateResult", "UpdatingProblem", "Watched", "__version__", "angle", "assess_damage",
-    "cases", "check_data", "compare", "density", "detectability", "diameter", "eliminate_constraints",
-    "explain", "fit_rational", "frf", "from_sep005", "identifiability", "identify_antiresonances",
-    "identify_modes", "identify_series", "inertia", "lagrange_rows", "length", "mass_factor", "merge_setups",
-    "monitor", "plan_test", "point_mass", "position", "read_csv", "read_excel", "read_frf_files", "read_hdf5",
-    "read_lvm", "read_mat", "read_matrices", "read_miniseed", "read_npz", "read_parquet", "read_tdms",
-    "read_uff", "read_wav", "stabilization", "stiffness_factor", "stiffness_reduction", "support_stiffness",
-    "thickness", "to_sep005", "track", "transmissibility", "transmissibility_sum", "update",
-    "update_ensemble", "write_csv", "write_hdf5", "write_mat", "write_matrices", "write_npz", "write_uff",
-    "youngs_modulus",
+    "LostWorkerError", "MassSpringChain", "MatrixModel", "Mesh", "MissingDependencyError", "ModalSet",
+    "ModalTable", "NodeSpring", "NumericalError", "ObjectiveError", "OptimizeResult", "OutOfMemoryError",
+    "Parameter", "ParameterIntervals", "PointMass", "ProfileLikelihood", "RationalFit", "Recording",
+    "Rectangle", "Reduction", "ReductionReport", "Round", "SampledSet", "SearchOptions", "Section",
+    "SensorPlan", "Series", "SeverityIntervals", "StabilizationDiagram", "TermGroup", "TrackEvent", "Tracks",
+    "Tube", "UnsuitableDataError", "UpdateEnsemble", "UpdateResult", "UpdatingProblem", "Watched",
+    "__version__", "angle", "assess_damage", "cases", "check_data", "compare", "density", "detectability",
+    "diameter", "eliminate_constraints", "explain", "fit_rational", "frf", "from_sep005", "identifiability",
+    "identify_antiresonances", "identify_modes", "identify_series", "inertia", "lagrange_rows", "length",
+    "mass_factor", "merge_setups", "monitor", "plan_test", "point_mass", "position", "read_csv",
+    "read_excel", "read_frf_files", "read_hdf5", "read_lvm", "read_mat", "read_matrices", "read_miniseed",
+    "read_model", "read_npz", "read_parquet", "read_tdms", "read_uff", "read_wav", "stabilization",
+    "stiffness_factor", "stiffness_reduction", "support_stiffness", "thickness", "to_sep005", "track",
+    "transmissibility", "transmissibility_sum", "update", "update_ensemble", "write_csv", "write_hdf5",
+    "write_mat", "write_matrices", "write_npz", "write_uff", "youngs_modulus",
 ]

@@ -197,7 +197,8 @@ def damage_search(
     table = job.sections["damage"]
     options = SearchOptions(**{key: table[key] for key in SearchOptions.declared() if key in table})
     elements = None if table.get("elements") == "all" else table.get("elements")
-    chosen = [elements] if isinstance(elements, int) else elements or model.default_elements
+    elements = [elements] if isinstance(elements, int | str) else elements
+    chosen = elements or model.default_elements
     places: list[KeyPath] = [("damage", "elements", i) for i in range(len(chosen))]
     with job.blame(("damage",), {"measured": ("data",), "parameters": places}):
         UpdatingProblem(

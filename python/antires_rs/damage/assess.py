@@ -68,6 +68,7 @@ def elements_of(model: StructuralModel, elements: Any) -> list[int]:
     if not chosen:
         remedy = f"Name some of 0 to {terms - 1}." if terms else "Give the MatrixModel its stiffness_terms."
         reject("elements", "no candidate", "at least one stiffness term", remedy)
+    chosen = [model.element(e) if isinstance(e, str) else e for e in chosen]
     numbers = [integer(("elements", i), e, low=0, high=terms - 1) for i, e in enumerate(chosen)]
     if len({*numbers}) < len(numbers):
         reject("elements", f"{numbers}, one of them twice", "each element once", "Drop the second one.")

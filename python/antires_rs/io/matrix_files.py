@@ -115,7 +115,7 @@ def read_sparse_npz(file: Path) -> dict[str, Labelled]:
 
     arrays = read_archive(file)
     if "format" not in arrays or "shape" not in arrays:
-        unsuitable(file, f"with the arrays {', '.join(arrays)}", _FORMATS[".npz"][1])
+        unsuitable(file, f"with the arrays {', '.join(arrays)}", FORMATS[".npz"][1])
     places = {name: "iu" for name in ("shape", "indices", "indptr", "row", "col", "coords", "offsets")}
     for name, kinds in ({"data": "biufc"} | places).items():
         if (name in arrays or name == "data") and arrays[name].dtype.kind not in kinds:
@@ -187,7 +187,7 @@ def read_full(file: Path) -> dict[str, Labelled]:
     """``K`` and ``M`` of a file, of the dofs without constraints."""
     # The package is compiled: a damaged file can end or fill the interpreter that reads it.
     require("Reading .full files", "ansys.mapdl.reader", "ansys", "ansys-mapdl-reader")
-    arrays = in_a_child(matrices_of_full, file, _FORMATS[".full"][1], Limits(600.0, 16.0)).arrays
+    arrays = in_a_child(matrices_of_full, file, FORMATS[".full"][1], Limits(600.0, 16.0)).arrays
     points = arrays["points"]
     rows, columns = ([arrays[f"{name}.{axis}"] for name in "KM"] for axis in ("row", "col"))
     if any(each.size and not 0 <= each.min() <= each.max() < len(points) for each in (*rows, *columns)):
@@ -449,7 +449,7 @@ _ABAQUS = read_abaqus, "node, dof, node, dof, value, as FORMAT=MATRIX INPUT or L
 _MARKET = read_matrix_market, "a whole Matrix Market file of a real square matrix"
 _DMIG = read_dmig, "a punch file or bulk data with DMIG cards of real matrices (PARAM,EXTOUT,DMIGPCH)"
 _BOEING = read_harwell_boeing, "a real assembled square matrix in Harwell-Boeing form (RSA or RUA)"
-_FORMATS: dict[str, tuple[Callable[[Path], dict[str, Labelled]], str]] = {
+FORMATS: dict[str, tuple[Callable[[Path], dict[str, Labelled]], str]] = {
     ".npz": (read_sparse_npz, "a file of scipy.sparse.save_npz"),
     **dict.fromkeys((".mtx", ".mtx.gz", ".mm"), _MARKET),
     ".op4": (read_op4, "a whole file of OUTPUT4, of real matrices"),
@@ -462,11 +462,11 @@ _FORMATS: dict[str, tuple[Callable[[Path], dict[str, Labelled]], str]] = {
 def matrices_in(name: str, path: PathLike) -> dict[str, Labelled]:
     """All matrices of a file, by name."""
     file = existing_file(path)
-    ending = next((e for e in _FORMATS if file.name.lower().endswith(e)), None)
+    ending = next((e for e in FORMATS if file.name.lower().endswith(e)), None)
     if ending is None:
         remedy = "Export the matrix in one of these formats, or pass it as a scipy.sparse array."
-        reject(name, repr(str(file)), "a file that ends in " + ", ".join(_FORMATS) + ", or a matrix", remedy)
-    read, wanted = _ABAQUS if ending == ".mtx" and is_abaqus(file) else _FORMATS[ending]
+        reject(name, repr(str(file)), "a file that ends in " + ", ".join(FORMATS) + ", or a matrix", remedy)
+    read, wanted = _ABAQUS if ending == ".mtx" and is_abaqus(file) else FORMATS[ending]
     try:
         found = read(file)
     except (AntiresError, PermissionError):
@@ -494,7 +494,7 @@ def choose(name: str, path: PathLike, letter: str) -> Labelled:
 
 FORMAT, VERSION = "antires_rs.matrices", 2
 #: Files that may hold stiffness and mass, by their names: K... and M...
-_OF_BOTH = (".op4", ".pch", ".bdf", ".dmig", ".full")
+OF_BOTH = (".op4", ".pch", ".bdf", ".dmig", ".full")
 
 
 def read_matrices(
@@ -551,15 +551,15 @@ def read_matrices(
     if mass is None:
         if not isinstance(stiffness, str | os.PathLike):
             reject("mass", None, "the mass matrix", "Only files of write_matrices, .op4 and .pch hold both.")
-        if not str(stiffness).lower().endswith(_OF_BOTH):
+        if not str(stiffness).lower().endswith(OF_BOTH):
             return _own(stiffness)
         mass = stiffness
     rows = _labelled("stiffness", stiffness, "K")
 
     def placed(name: str, given: Any, letter: str) -> Any:
-        return _in_rows_of(name, _labelled(name, given, letter), rows)
+        return in_rows_of(name, _labelled(name, given, letter), rows)
 
-    terms = {}
+    terms: dict[str, Any] = {}
     for name, each, letter in (("stiffness_terms", stiffness_terms, "K"), ("mass_terms", mass_terms, "M")):
         terms[name] = [placed(part(name, i), term, letter) for i, term in enumerate(each)]
     if isinstance(dofs, str | os.PathLike):
@@ -629,7 +629,7 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
     {(12, '+Y'): 0, (12, '+Z'): 1}
     """
     file = existing_file(path)
-    if file.name.lower().endswith((".mtx", *_OF_BOTH)):
+    if file.name.lower().endswith((".mtx", *OF_BOTH)):
         several = matrices_in("path", file)
         points = (next(iter(several.values())) if len(several) == 1 else choose("path", file, "K")).points
         if points is None:
@@ -673,7 +673,7 @@ def _labelled(name: str, given: Any, letter: str) -> Labelled:
     return choose(name, given, letter) if isinstance(given, str | os.PathLike) else Labelled(given)
 
 
-def _in_rows_of(name: str, each: Labelled, rows: Labelled) -> Any:
+def in_rows_of(name: str, each: Labelled, rows: Labelled) -> Any:
     """A matrix with the rows of the stiffness: those of a file of another order, or without all of them."""
     if each.points is None or rows.points is None or each.points == rows.points:
         return each.matrix

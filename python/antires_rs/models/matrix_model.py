@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -13,13 +13,16 @@ from ..exceptions import InvalidInputError, part, reject
 from ..support.checks import FloatArray
 from ..support.directions import names_of
 from .constraints import equations_by_number
-from .matrices import Columns, as_masses, as_square, as_term
+from .matrices import Columns, Entries, as_masses, as_square, as_term
+from .parameters import Parameter
 from .penalties import warn_penalties
 from .recipes import Independent, MatrixRecipe
 from .structural_model import ModelDescription, StructuralModel
+from .term_groups import Mesh, TermGroup, powers_of
 
 #: Decades between the K / M of dofs from which on one method alone loses roots; most dofs to ask both.
 _APART, _MOST_FOR_BOTH = 8.0, 200
+_ANY = (1e-12, 1e12)  # bounds of factors that are applied, not searched
 
 
 class MatrixModel(StructuralModel):
@@ -31,9 +34,9 @@ class MatrixModel(StructuralModel):
         Symmetric nominal matrices; the mass may be singular (massless dofs). Sparse ones stay sparse: memory
         and time go with their entries. An imaginary part (hysteretic damping) is left out, and a damping
         matrix has no place: antiresonances are those of the undamped structure.
-    stiffness_terms, mass_terms : sequence of array_like or scipy.sparse, (n, n)
+    stiffness_terms, mass_terms : sequence or mapping of array_like or scipy.sparse, (n, n)
         Contribution of each element (or group) to the matrix. A parameter with factor s turns K into
-        ``K + (s - 1) K_i``; the terms need not add up to K.
+        ``K + (s - 1) K_i``; the terms need not add up to K. A mapping names them for tables and parameters.
     constraints : sequence of dict, array_like or scipy.sparse, (c, n)
         Homogeneous equations between dofs, as in :func:`eliminate_constraints`: ``{12: 1.0, 3: -1.0}`` is
         u12 = u3. Of each one dof is taken out of the matrices.
@@ -42,6 +45,9 @@ class MatrixModel(StructuralModel):
     dofs : sequence of str or (int, str), or mapping of them to rows, optional
         Names, one for each row: ``"1204:Z"`` or ``(1204, "+Z")``; or what :func:`antires_rs.io.read_dof_map`
         returns. A dof may then be given by its name wherever its number may.
+    groups : sequence of TermGroup
+        What the terms belong to, as :func:`read_model` finds it.
+    mesh : Mesh, optional
 
     Raises
     ------
@@ -83,23 +89,68 @@ class MatrixModel(StructuralModel):
         stiffness: Any,
         mass: Any,
         *,
-        stiffness_terms: Iterable[Any] = (),
-        mass_terms: Iterable[Any] = (),
+        stiffness_terms: Iterable[Any] | Mapping[str, Any] = (),
+        mass_terms: Iterable[Any] | Mapping[str, Any] = (),
         constraints: Any = None,
         keep: Sequence[int | str] = (),
         dofs: Any = None,
+        groups: Iterable[TermGroup] = (),
+        mesh: Mesh | None = None,
     ) -> None:
         n, k = as_square("stiffness", stiffness)
         names = names_of("dofs", dofs, n)
         m = as_masses(as_square("mass", mass, n)[1], n, partial(_label, names))
-        of_k = tuple(as_term(part("stiffness_terms", i), t, n) for i, t in enumerate(stiffness_terms))
-        of_m = tuple(as_term(part("mass_terms", i), t, n) for i, t in enumerate(mass_terms))
-        recipe = MatrixRecipe(n, k, m, of_k, of_m, names, *equations_by_number(names, n, constraints, keep))
+        names_k, of_k = _terms("stiffness_terms", stiffness_terms, n)
+        names_m, of_m = _terms("mass_terms", mass_terms, n)
+        tied = equations_by_number(names, n, constraints, keep)
+        recipe = MatrixRecipe(n, k, m, of_k, of_m, names, *tied, names_k, names_m, tuple(groups), mesh)
         independent = recipe.independent()
         self._build(ModelDescription(recipe), independent.core())
         self._fill(_independent=independent)
         remedy = "Give ties, rigid links and supports as constraints=, or penalties a million times softer."
         warn_penalties(self.dof_label, self.stiffness(), remedy)
+
+    @property
+    def groups(self) -> dict[str, TermGroup]:
+        """What the terms belong to, by name; empty but for models of :func:`read_model`."""
+        return {group.name: group for group in self._recipe.groups}
+
+    @property
+    def mesh(self) -> Mesh | None:
+        """Nodes and elements, where the model was read with them."""
+        return self._recipe.mesh
+
+    def with_group_factors(self, factors: Mapping[str, float]) -> Self:
+        """The model as the code would give it with values of groups, by name, times factors.
+
+        Exact also where matrices are polynomials in a value, as in a thickness. A factor that is not positive
+        and an unknown group are an InvalidInputError.
+
+        Examples
+        --------
+        >>> import numpy as np, antires_rs as ar
+        >>> spring = np.array([[500.0]])
+        >>> strip = ar.TermGroup("strip", "thickness", 0.002, ((0, 3),))
+        >>> model = ar.MatrixModel(spring, [[1.0]], stiffness_terms={"strip^3": spring}, groups=[strip])
+        >>> model.with_group_factors({"strip": 2.0}).stiffness().toarray()
+        array([[4000.]])
+        """
+        stiffness, mass = powers_of(self.groups, factors)
+        chosen = [Parameter("stiffness_factor", (term,), _ANY) for term in stiffness]
+        chosen += [Parameter("mass_factor", (term,), _ANY) for term in mass]
+        if not chosen:
+            return self
+        return self.with_parameters(chosen, [*stiffness.values(), *mass.values()])
+
+    def element_label(self, element: int) -> str:
+        """Name of its stiffness term, or ``element 3`` where it has none."""
+        names = self._recipe.stiffness_names
+        return names[element] if names else super().element_label(element)
+
+    def mass_label(self, term: int) -> str:
+        """Name of the mass term, or ``mass 3`` where it has none."""
+        names = self._recipe.mass_names
+        return names[term] if names else super().mass_label(term)
 
     def dof(self, name: str) -> int:
         """Number of a dof from 0 by its name, in any spelling: ``"1204:Z"``, ``"1204+Z"``, ``"1204 UZ"``."""
@@ -169,9 +220,11 @@ class MatrixModel(StructuralModel):
 
     @property
     def default_elements(self) -> list[int]:
-        """Stiffness terms of which the equations leave something."""
+        """Stiffness terms of which the equations leave something; of groups those of linear ones."""
         given, left = self._recipe.stiffness_terms, self._independent.matrices.stiffness_terms
-        return [i for i, term in enumerate(left) if term.values.size or term is given[i]]
+        powers = {i for group in self._recipe.groups if not group.linear for i, _ in group.stiffness_powers}
+        kept = [i for i, term in enumerate(left) if term.values.size or term is given[i]]
+        return [i for i in kept if i not in powers]
 
     @property
     def _free_dofs(self) -> list[int]:
@@ -201,6 +254,14 @@ class MatrixModel(StructuralModel):
         out = f", {gone} of them taken out" if gone else ""
         terms = f"{self._core.n_stiffness_terms} stiffness terms, {self._core.n_mass_terms} mass terms"
         return f"MatrixModel({self.n_dof} dofs{out}, {terms})"
+
+
+def _terms(name: str, given: Any, n: int) -> tuple[tuple[str, ...], tuple[Entries, ...]]:
+    """Names of terms, if they have any, and their entries."""
+    named = isinstance(given, Mapping)
+    items = given.items() if named else enumerate(given)
+    terms = {key: as_term(part(name, key), term, n) for key, term in items}
+    return tuple(map(str, terms)) if named else (), tuple(terms.values())
 
 
 def _label(names: tuple[str, ...], dof: int) -> str:

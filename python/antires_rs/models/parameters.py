@@ -42,6 +42,7 @@ class Kind(NamedTuple):
 
 #: Their terms are sections, which may have names; they move nodes; of these, those that have a pivot.
 OF_SECTIONS = ("youngs_modulus", "density", "thickness", "diameter")
+_OF_TERMS = ("stiffness_reduction", "stiffness_factor", "mass_factor")  # which a MatrixModel may name
 MOVES, _ABOUT_A_NODE = ("angle", "length", "position"), ("angle", "length")
 
 KINDS: dict[Quantity, Kind] = {
@@ -77,7 +78,7 @@ class Parameter:
         ``'point_mass'`` (kg), ``'inertia'`` (kg m2), ``'support_stiffness'`` (N/m), ``'angle'`` (degrees),
         ``'length'`` (a factor), ``'position'`` (m).
     terms : tuple of int or str
-        Zero-based: stiffness or mass terms of the model; sections (or their names), point masses or springs
+        Zero-based: stiffness or mass terms of the model or sections (or their names), point masses or springs
         to ground; the elements of an angle's or length's group; the nodes of a position.
     bounds : (float, float)
         Lower and upper bound of the value, in the unit above.
@@ -150,7 +151,7 @@ def parameter_tuple(parameters: Any) -> tuple[Parameter, ...]:
 
 
 def _term(quantity: Quantity, name: Name, term: Any) -> int | str:
-    if isinstance(term, str) and quantity in OF_SECTIONS:
+    if isinstance(term, str) and quantity in (*OF_SECTIONS, *_OF_TERMS):
         return term
     return integer(name, term, low=0)
 
@@ -244,7 +245,8 @@ LARGEST_REDUCTION = 0.99
 Maker = TypeVar("Maker", bound=Callable[..., Any])
 
 _TERMS = "int or sequence of int\n        Zero-based {}."
-_STIFFNESS_TERMS, _MASS_TERMS = _TERMS.format("stiffness terms"), _TERMS.format("mass terms")
+_NAMED = _TERMS.replace("int or", "int, str or").replace(".", ", or names of a MatrixModel.")
+_STIFFNESS_TERMS, _MASS_TERMS = _NAMED.format("stiffness terms"), _NAMED.format("mass terms")
 _SECTIONS = "int or str, or a sequence of them\n        Sections by index or name."
 _TUBES = "int or str, or a sequence of them\n        Sections by index or name, which must be tubes."
 _MASSES = _TERMS.format("positions in the model's ``point_masses``")

@@ -16,6 +16,7 @@ from ..support.values import Value
 from .constraints import Dependent, Equation, congruent, equations_of, multipliers, solved, without
 from .frame_parts import AnySection, shear_of
 from .matrices import Entries
+from .term_groups import Mesh, TermGroup
 
 
 class _Recipe(Value):
@@ -32,6 +33,19 @@ class _Recipe(Value):
             remedy = "Count the terms from 0, or build a FrameModel, which has named sections."
             reject("parameters", f"the section {name!r}", wanted, remedy)
         return name
+
+    def term_index(self, quantity: str, name: str) -> int:
+        """Number of a stiffness or mass term by its name; only models of matrices have named terms."""
+        side = "mass" if quantity == "mass_factor" else "stiffness"
+        names: tuple[str, ...] = getattr(self, f"{side}_names", ())
+        if name in names:
+            return names.index(name)
+        wanted = f"one of {', '.join(map(repr, names))}" if names else "a number: its terms have no names"
+        if name in (group.name for group in getattr(self, "groups", ())):
+            remedy = "It is no straight line in its value, or has none of this side: see with_group_factors."
+        else:
+            remedy = "Correct the name." if names else "Count the terms from 0."
+        reject("parameters", f"the {side} term {name!r}", wanted, remedy)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +75,10 @@ class MatrixRecipe(_Recipe):
     names: tuple[str, ...] = ()  # of the dofs
     constraints: Entries | None = None
     keep: tuple[int, ...] = ()  # dofs that are not taken out
+    stiffness_names: tuple[str, ...] = ()  # of the terms
+    mass_names: tuple[str, ...] = ()
+    groups: tuple[TermGroup, ...] = ()
+    mesh: Mesh | None = None
 
     def independent(self, keep: Iterable[int] = ()) -> Independent:
         """Matrices and terms without what is no dof of its own; ``keep`` are further dofs to be kept."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, ClassVar, Literal, Self, get_args
 
@@ -29,7 +29,7 @@ from ..support.messages import some, warn
 from ..support.progress import interruptible, patient, step
 from ..support.values import AroundCore, Value
 from .matrices import Columns, as_sparse, check_room_for_all_modes
-from .parameters import MOVES, CoreParameter, Parameter, parameter_tuple
+from .parameters import MOVES, OF_SECTIONS, CoreParameter, Parameter, parameter_tuple
 from .recipes import ChainRecipe, FrameRecipe, MatrixRecipe
 
 # -- One description of a model, by which it is built, copied, pickled and saved, to the same bits
@@ -176,7 +176,7 @@ class StructuralModel(AroundCore[CoreModel]):
         array([[ 300., -300.],
                [-300.,  300.]])
         """
-        chosen, before = parameter_tuple(parameters), self._description
+        chosen, before = self._by_number(parameter_tuple(parameters)), self._description
         wanted = f"an array ({len(chosen)},), one value for each parameter"
         vector = np.atleast_1d(real_array("values", values, ndim=None, wanted=wanted))
         if vector.shape != (len(chosen),):
@@ -187,6 +187,18 @@ class StructuralModel(AroundCore[CoreModel]):
         after = ModelDescription(before.recipe, (*before.applied, applied))
         model._build(after, before.applied_to(self._core, applied))
         return model
+
+    def _by_number(self, parameters: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
+        """Parameters whose terms are numbers where they were names of terms."""
+        index = self._recipe.term_index
+
+        def numbered(one: Parameter) -> Parameter:
+            if one.quantity in OF_SECTIONS or all(isinstance(term, int) for term in one.terms):
+                return one
+            terms = (index(one.quantity, term) if isinstance(term, str) else term for term in one.terms)
+            return replace(one, terms=tuple(terms))
+
+        return tuple(map(numbered, parameters))
 
     def _core_for(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
         """The core's model in which ``dofs`` are rows, and these rows."""
@@ -209,6 +221,11 @@ class StructuralModel(AroundCore[CoreModel]):
     def element_label(self, element: int) -> str:
         """Name of stiffness term ``element`` in tables and pictures, with its number as an argument."""
         return f"element {element}"
+
+    def element(self, name: str) -> int:
+        """Number of a stiffness term by its name, where the model names them."""
+        number: int = self._recipe.term_index("stiffness_factor", name)
+        return number
 
     def dof_label(self, dof: int) -> str:
         """Name of a dof in tables and pictures: its zero-based number, where nothing else names it."""

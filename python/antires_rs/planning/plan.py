@@ -36,7 +36,7 @@ def _unknowns_of(
     """Severities of elements with their numbers, or parameters of an updating; and their names."""
     given = [elements] if isinstance(elements, Parameter) else elements
     if isinstance(given, Sequence) and any(isinstance(p, Parameter) for p in given):
-        parameters = parameter_tuple(given)
+        parameters = model._by_number(parameter_tuple(given))
         return parameters, tuple(parameter_name(model, p) for p in parameters), None
     numbers = tuple(elements_of(model, elements))
     return tuple(stiffness_reduction(numbers)), tuple(map(model.element_label, numbers)), numbers
