@@ -14,12 +14,12 @@ from hashlib import sha256
 from importlib.resources import files
 from importlib.util import find_spec
 from io import BytesIO
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
 from ..damage.assess import DamageResult
-from ..damage.hypotheses import Assessment, loss, span
+from ..damage.hypotheses import Assessment, loss, percent, span
 from ..identification.stabilization import StabilizationDiagram
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
@@ -36,7 +36,8 @@ from .canvas import picture
 from .damage import WORTH_A_ROW, losses, plot_damage, plot_hypotheses, probabilities, worth_a_row
 from .identification import stabilization_figure
 from .live_canvas import explored, item, script_files
-from .marks import Line
+from .marks import Line, Scene
+from .mesh import MOST_MODES, has_mesh, page_data, plot_mesh, scene, shapes_of
 from .responses import dof_name
 from .structure import chain, frame, plot_chain, plot_frame, seen_points
 from .updating import convergence, differences, plot_convergence, plot_differences
@@ -215,6 +216,11 @@ def packed(figure: Callable[[], Any]) -> str:
     return _packed(_NAMED.sub(rf"\g<1>{mark}\2", counted))
 
 
+def packed_scene(one: Scene) -> str:
+    """A scene as it stands in a page; it needs no library."""
+    return _packed(page_data(one))
+
+
 def _packed(text: str) -> str:
     # Without a time the same text is the same bytes.
     return b64encode(gzip.compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
@@ -232,15 +238,16 @@ def library() -> str:
 
 @cache
 def script() -> str:
-    """What unpacks the figures."""
-    return files(__package__).joinpath("assets", "live.js").read_text(encoding="utf-8")
+    """What draws scenes, and what unpacks them and the figures."""
+    assets = files(__package__).joinpath("assets")
+    return "".join(assets.joinpath(name).read_text(encoding="utf-8") for name in ("scene.js", "live.js"))
 
 
 def policy() -> str:
     """What a browser lets the page do: run these two scripts, and load nothing."""
-    texts = (script(), _drawer()) if find_spec("bokeh") else ()
+    texts = (script(), _drawer()) if find_spec("bokeh") else (script(),)
     digests = [b64encode(sha256(text.encode("utf-8")).digest()).decode("ascii") for text in texts]
-    own = " ".join(f"'sha256-{digest}'" for digest in digests) or "'none'"
+    own = " ".join(f"'sha256-{digest}'" for digest in digests)
     return (
         f"default-src 'none'; script-src {own}; style-src 'unsafe-inline'; "
         "img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'"
@@ -265,11 +272,12 @@ class Figure:
     caption: str
     alt: str
     explore: Callable[[], Any]
+    scene: Callable[[], Scene] | None = None  # what is turned instead
 
     @cached_property
     def live(self) -> str:
         """To be explored, packed; empty where nothing makes it."""
-        return packed(self.explore)
+        return packed(self.explore) if self.scene is None else packed_scene(self.scene())
 
     @cached_property
     def png(self) -> bytes:
@@ -387,7 +395,7 @@ def _damage(result: DamageResult, truth: Mapping[int, float] | None) -> dict[str
 
 
 def _model(result: UpdateResult) -> dict[str, Figure]:
-    """The model with its losses, sensors and force; none of matrices, which have no shape."""
+    """The model with its losses, sensors and force; none of matrices without a mesh, which have no shape."""
     model, seen = result.problem.model, result.problem.measured[0]
     loss, caption = None, "The model"
     if isinstance(result, DamageResult):
@@ -410,9 +418,29 @@ def _model(result: UpdateResult) -> dict[str, Figure]:
         alt = f"Drawing of a frame of {len(model.elements)} elements"
         draw = partial(plot_frame, model, loss, **at)
         panel = partial(frame, model, loss, **at, room_pt=np.array([WIDE_PT, 0.7 * height]))
+    elif has_mesh(model):
+        size, height, alt = (9.0, 6.0), 0, "Drawing of the mesh"
+        draw = panel = partial(plot_mesh, cast("Any", model), loss, **at)
     else:
         return {}
-    return {"model": Figure(draw, size, f"{caption}.", alt, lambda: explored(panel(), height=height))}
+    turned = partial(_turned, result, loss, at) if has_mesh(model) else None
+    return {"model": Figure(draw, size, f"{caption}.", alt, lambda: explored(panel(), height=height), turned)}
+
+
+def _turned(result: UpdateResult, loss: Mapping[int, float] | None, at: dict[str, Any]) -> Scene:
+    """The updated model to be turned, with its modes up to the highest measured value."""
+    says: dict[int, str] = {}
+    if isinstance(result, DamageResult):
+        chance, limits = (result.probability, result.interval) if result.has_baseline else ({}, {})
+        for e, beta in result.severity.items():
+            says[e] = f"{100 * beta:.1f} %"
+            if e in chance:
+                says[e] += (
+                    f"{f' ({_interval(*limits[e])})' if beta else ''}, probability {percent(chance[e])}"
+                )
+    # As many as are shown, beside six rigid bodies.
+    modes = result.model.modes(n_modes=min(MOST_MODES + 6, result.model.n_dof))
+    return scene(result.model, loss, at["sensors"], at["excitation"], at["label"], shapes_of(modes), says)
 
 
 def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
