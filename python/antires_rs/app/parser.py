@@ -122,7 +122,7 @@ def edit(text: str) -> str:
 
 
 _KINDS: dict[str, Callable[[str], Any]] = {  #: By the word that stands for a value.
-    **dict.fromkeys(("DIR", "FILE", "FILE.json", "FILE.html", "FOLDER", "JOB", "RESULT"), Path),
+    **dict.fromkeys(("DIR", "FILE", "FILE.json", "FILE.html", "FILE.npz", "FOLDER", "JOB", "RESULT"), Path),
     **dict.fromkeys(("DOF", "SENSOR"), dof),
     **dict.fromkeys(("HZ", "LOW", "VALUE"), number(float, 0.0)),
     "FRACTION": number(float, 0.0, 1.0),
@@ -199,6 +199,15 @@ look (look.look): a page to look at a measurement, to add and drop values
         --out FILE.json: where the page saves the set (default: by the name of the file, in this folder)
         --edits FILE.json: a set that was saved: make its edits again
         --no-browser: print the address, and open no browser
+model (fe_model.model): a model from the input of a finite-element code, which is run for it
+    Run CalculiX (.inp), OpenSeesPy (.py, or FILE.py:FUNCTION) or any code by --command, and save K and M
+    with the terms of groups, for file = of [model] in a job. Run again it goes on where it was stopped.
+        source SOURCE: input of the code
+        --groups GROUP+ !: <groups>
+        --out FILE.npz !: the model; what was run is kept beside it
+        --command COMMAND: how the code is run, as in "nastran {input}" (default: CalculiX is ccx)
+        --workers N>=1: runs at a time (default: all processors)
+        <json>
 update (studies.search): bring a model to the measured antiresonances, as a job file says
     Carry out a job file: bring a model to the measured antiresonances. <search>
         <job>
@@ -248,6 +257,8 @@ explain (studies.explain): what a warning means
 #: What several commands say.
 _SHARED = {
     "job": "job JOB: a job file, TOML",
+    "groups": "elset, material, NAME, NAME:density or NAME:thickness; or OWN=NAME, OWN=1,2,7-9 (elements), "
+    "OWN=2.1e11 (the number that stands for {OWN})",
     "json": "--json: print JSON instead of the tables",
     "fresh": "--fresh: begin anew, though a search of this job waits",
     "threads": "--workers N>=1: threads of the search (default: all processors); no number depends on it",

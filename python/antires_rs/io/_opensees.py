@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+SIDES = ("stiffness", "mass")
 #: Direction codes of the dofs of a node, by the dimensions of the model and the dofs of the node.
 _CODES = {(1, 1): (1,), (2, 2): (1, 2), (2, 3): (1, 2, 6), (3, 3): (1, 2, 3), (3, 6): (1, 2, 3, 4, 5, 6)}
 

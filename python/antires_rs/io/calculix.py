@@ -275,7 +275,7 @@ class Deck:
     def _step(self) -> tuple[int | None, bool]:
         """The step of the frequencies, or else the first: its supports count; and whether it is of these."""
         steps = [i for i, card in enumerate(self.cards) if card.keyword == "STEP"]
-        for i, end in zip(steps, [*steps[1:], len(self.cards)], strict=True):
+        for i, end in zip(steps, [*steps, len(self.cards)][1:], strict=True):
             if any(card.keyword == "FREQUENCY" for card in self.cards[i:end]):
                 return i, True
         return (steps[0] if steps else None), False
@@ -305,7 +305,7 @@ _OTHERWISE = "Give a group of other elements, or of another quantity: 'NAME:dens
 def _times(field: str, factor: float) -> str:
     """A number times a factor, in the 20 columns that CalculiX reads of a field."""
     value = float(field) * factor
-    return field if factor == 1.0 else repr(value) if len(repr(value)) <= 20 else f"{value:.12e}"
+    return field if factor == 1.0 else repr(value) if len(repr(value)) <= 18 else f"{value:.12e}"
 
 
 def _scaled(card: Card, scales: Mapping[str, float]) -> list[str]:
@@ -353,5 +353,5 @@ def stored(folder: Path, stem: str, nodes: frozenset[int]) -> tuple[Any, Any, tu
 
 def errors_in(said: str) -> str:
     """What CalculiX calls an error in its output, in one line."""
-    found = re.findall(r"\*ERROR[^*]*", said)
-    return " ".join(" ".join(found[:2]).split())[:300] or "it wrote no matrices"
+    at = said.find("*ERROR")
+    return " ".join(said[at : at + 300].split()) if at >= 0 else "it wrote no matrices"

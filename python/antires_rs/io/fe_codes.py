@@ -9,472 +9,31 @@ groups must come out as the terms say: neither a code nor a reader is believed.
 
 from __future__ import annotations
 
-import inspect
-import json
 import os
-import re
-import shlex
 import shutil
-import subprocess
-import sys
 import tempfile
-import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
 from hashlib import sha256
-from functools import partial
 from itertools import combinations
 from pathlib import Path
 from typing import Any, Literal, NoReturn
 
 import numpy as np
 
-from ..exceptions import AntiresError, MissingDependencyError, UnsuitableDataError, reject
-from ..models.constraints import eliminate_constraints
+from ..exceptions import AntiresError, reject
 from ..models.matrices import Entries
 from ..models.matrix_model import MatrixModel
-from ..models.term_groups import Mesh, TermGroup
-from ..support.checks import choice, finite_scalar, integer
-from ..support.directions import names_of
-from ..support.messages import some
+from ..models.term_groups import Powers, TermGroup
+from ..support.checks import integer
+from ..support.files import alive
 from ..support.progress import waiting
 from ..support.workers import Workers, processors
-from . import _opensees, calculix
 from .archive import Store, decoded, encoded, read_store, write_store
-from .common import existing_file
-from .matrix_files import FORMATS, OF_BOTH, choose, in_rows_of, matrices_in, write_matrices
+from .fe_programs import Code, Factors, Run, opened
+from .matrix_files import write_matrices
 from .options import PathLike
-from .own_format import read_archive
-
-# -- What is asked of a code, and what a run of it gives
-
-LINEAR = ("youngs_modulus", "density")
-Factors = Mapping[str, float]
-
-
-@dataclass(frozen=True)
-class Asked:
-    """A group: what of it is scaled, in which elements or at which place of the input, from which value."""
-
-    name: str
-    quantity: str
-    elements: tuple[int, ...] = ()
-    place: str = ""
-    value: float | None = None
-
-    def rounds(self) -> tuple[tuple[float, ...], ...]:
-        """Factors of the runs; those of the second round where the first shows no straight line."""
-        if self.quantity == "stiffness":
-            return ((0.0,),)  # without the elements
-        return ((2.0,),) if self.quantity in LINEAR else ((1.5, 0.5), (0.75, 1.25, 0.875))
-
-
-@dataclass(frozen=True, eq=False)
-class Run:
-    """Stiffness and mass as a run wrote them, or how they differ from those of the first run."""
-
-    stiffness: Entries
-    mass: Entries
-    names: tuple[str, ...] = ()
-    n_dof: int = 0
-    constraints: tuple[tuple[tuple[int, float], ...], ...] = ()
-    mesh: Mesh | None = None
-    values: dict[str, float] = field(default_factory=dict)
-
-    @property
-    def both(self) -> tuple[Any, Any]:
-        """Stiffness and mass as sparse arrays."""
-        return self.stiffness.sparse(self.n_dof), self.mass.sparse(self.n_dof)
-
-
-def _run_of(stiffness: Any, mass: Any, names: Sequence[Any] = (), **more: Any) -> Run:
-    from scipy.sparse import coo_array
-
-    k, m = (Entries.of_sparse(coo_array(each)) for each in (stiffness, mass))
-    n = int(stiffness.shape[0])
-    return Run(k, m, names_of("dofs", names or None, n), n, **more)
-
-
-class Code:
-    """A code with the model that it runs: one class each below."""
-
-    name = ""
-    rounding = 1e-15  # of the numbers that it writes
-    tolerance = 1e-9  # of the last run against the terms, where all are straight lines
-
-    def __init__(self, source: Any, command: str | None) -> None:
-        self.source, self.command = source, command
-        self.asked: list[Asked] = []
-        self._lock, self._running, self._stopped = threading.Lock(), set[subprocess.Popen[bytes]](), False
-
-    def ask(self, groups: Any) -> Iterator[Asked]:
-        """The groups that a caller names."""
-        raise NotImplementedError
-
-    def text(self, factors: Factors) -> str:
-        """All that a run depends on."""
-        raise NotImplementedError
-
-    def run(self, folder: Path, factors: Factors) -> Run:
-        """Run in a folder."""
-        raise NotImplementedError
-
-    def written(self, name: str, factor: float) -> float:
-        """The factor that a run has, where the input has few digits."""
-        return factor
-
-    def refuse(self, folder: Path, problem: str) -> NoReturn:
-        """Raise for a run that failed."""
-        remedy = f"Run {self.name} itself on {str(self.source)!r}; if that works, report this."
-        raise UnsuitableDataError("source", f"{str(self.source)!r}: {problem}", "a model that runs", remedy)
-
-    def execute(self, folder: Path, words: list[str], install: str) -> str:
-        """What a program says, run in a folder with one thread, which makes its sums always the same."""
-        threads = ("OMP_NUM_THREADS", "CCX_NPROC_STIFFNESS", "CCX_NPROC_RESULTS", "OPENBLAS_NUM_THREADS")
-        log = folder / "antires.log"
-        try:
-            with self._lock, open(log, "wb") as opened:
-                if self._stopped:
-                    raise KeyboardInterrupt
-                how: dict[str, Any] = {"cwd": folder, "stdout": opened, "stderr": subprocess.STDOUT}
-                how |= {"stdin": subprocess.DEVNULL, "env": os.environ | dict.fromkeys(threads, "1")}
-                process = subprocess.Popen(words, start_new_session=True, **how)
-                self._running.add(process)
-        except FileNotFoundError:
-            raise MissingDependencyError(
-                f"{self.name} is run as {words[0]!r}, which is not there. {install}"
-            ) from None
-        process.wait()
-        self._running.discard(process)
-        return log.read_text(encoding="utf-8", errors="replace")
-
-    def stop(self) -> None:
-        """End what runs; nothing begins any more."""
-        with self._lock:
-            self._stopped = True
-            for process in self._running:
-                process.kill()
-
-
-def _by_name(groups: Any) -> dict[str, Any]:
-    """What each group is, by its name."""
-    wanted = "the name of a group, a list of such, or a mapping of names to what they are"
-    if isinstance(groups, str):
-        groups = [groups]
-    if not isinstance(groups, Mapping):
-        if not isinstance(groups, Sequence) or not all(isinstance(each, str) for each in groups):
-            reject("groups", groups, wanted, 'As in groups=["web", "skin:thickness"].')
-        groups = {each: each for each in groups}
-    if not groups:
-        reject("groups", "none", wanted, 'As in groups="elset": a group for each set that a section has.')
-    return {str(name): target for name, target in groups.items()}
-
-
-def _tags(name: str, given: Any) -> tuple[int, ...]:
-    if (
-        isinstance(given, str | float)
-        or not isinstance(given, Sequence | range | np.ndarray)
-        or not len(given)
-    ):
-        reject(("groups", name), given, "numbers of elements", "As in groups={'columns': [1, 2, 3]}.")
-    return tuple(integer(("groups", name), each, low=0) for each in given)
-
-
-def _apart(asked: Sequence[Asked]) -> None:
-    """Refuse groups with elements in common: their values multiply there; modulus and density do not."""
-    for one, other in combinations(asked, 2):
-        common = {*one.elements} & {*other.elements}
-        if common and {one.quantity, other.quantity} != {*LINEAR}:
-            got = f"{one.name!r} and {other.name!r}, which share {len(common)} element(s), as {min(common)}"
-            reject("groups", got, "groups of different elements", "Leave one out, or take them apart.")
-
-
-# -- The codes
-
-
-class CalculiX(Code):
-    """An input file; groups are element sets or materials, and modulus, density or thickness of them."""
-
-    name = "CalculiX"
-    rounding = 1e-13
-    _QUANTITIES = ("youngs_modulus", "density", "thickness")
-
-    def __init__(self, source: Any, command: str | None) -> None:
-        super().__init__(source, command)
-        self.deck = calculix.Deck(existing_file(source))
-        self._mesh = self.deck.mesh()
-        self._words = shlex.split(command) if command else [_ccx(), "-i", "{stem}"]
-
-    def ask(self, groups: Any) -> Iterator[Asked]:
-        """``"elset"``, ``"material"``, ``"NAME"``, ``"NAME:density"``, or numbers of elements."""
-        if isinstance(groups, str) and groups in ("elset", "material"):
-            groups = self.deck.names(groups)
-        for name, target in _by_name(groups).items():
-            quantity = "youngs_modulus"
-            if isinstance(target, str):
-                target, _, stated = target.partition(":")
-                quantity = choice("groups", stated or quantity, self._QUANTITIES)
-                elements = tuple(dict.fromkeys(self.deck.elements_of(target)))
-            else:
-                elements = _tags(name, target)
-            unknown = [each for each in elements if each not in self.deck.section_of]
-            if unknown:
-                remedy = "Springs, masses and the like cannot be in a group yet."
-                reject(("groups", name), f"element {unknown[0]}", "elements that have a section", remedy)
-            yield Asked(name, quantity, elements, value=self.deck.value(quantity, list(elements)))
-
-    def text(self, factors: Factors) -> str:
-        """The input file of the run."""
-        groups = {each.name: (each.quantity, list(each.elements)) for each in self.asked}
-        return " ".join(self._words) + "\n" + self.deck.text(groups, factors)
-
-    def run(self, folder: Path, factors: Factors) -> Run:
-        """The matrices that it stores."""
-        (folder / "model.inp").write_text(self.text(factors).partition("\n")[2])
-        words = [word.replace("{stem}", "model").replace("{input}", "model.inp") for word in self._words]
-        install = 'Install CalculiX ("apt install calculix-ccx", or calculix.de), or name it by command=.'
-        said = self.execute(folder, words, install)
-        try:
-            nodes = frozenset(self._mesh.nodes.tolist())
-            stiffness, mass, names = calculix.stored(folder, "model", nodes)
-        except (OSError, ValueError):
-            self.refuse(folder, f"CalculiX says {calculix.errors_in(said)!r}")
-        return _run_of(stiffness, mass, names, mesh=self._mesh)
-
-
-def _ccx() -> str:
-    """CalculiX on PATH: ``ccx``, or with its version behind."""
-    found = shutil.which("ccx")
-    for folder in os.get_exec_path() if found is None else ():
-        found = found or next((str(file) for file in sorted(Path(folder).glob("ccx_[0-9]*"))), None)
-    return found or "ccx"
-
-
-class OpenSees(Code):
-    """A script of OpenSeesPy; groups are elements, or arguments of a function in it that builds the model."""
-
-    name = "OpenSeesPy"
-
-    def __init__(self, source: Any, command: str | None) -> None:
-        super().__init__(source, command)
-        script, _, function = str(source).rpartition(".py")
-        self._script, self._function = existing_file(script + ".py"), function.lstrip(":") or None
-        self._words = shlex.split(command) if command else [sys.executable]
-
-    def ask(self, groups: Any) -> Iterator[Asked]:
-        """Numbers of elements, or the name of an argument."""
-        for name, target in _by_name(groups).items():
-            if not isinstance(target, str):
-                yield Asked(name, "stiffness", _tags(name, target))
-                continue
-            if self._function is None:
-                got = f"{target!r}, an argument, of {self._script.name!r}"
-                remedy = f"Name it: {self._script.name}:build, or give numbers of elements."
-                reject(("groups", name), got, "a function that builds the model with it", remedy)
-            yield Asked(name, "value", place=target)
-
-    def text(self, factors: Factors) -> str:
-        """The script, those beside it, which it may import, and what is asked of it."""
-        beside = sorted(self._script.resolve().parent.glob("*.py"))
-        return "\n".join(
-            [str(self._request(factors)), *self._words, *(f.read_text(errors="replace") for f in beside)]
-        )
-
-    def _request(self, factors: Factors) -> dict[str, Any]:
-        of = {each.name: each for each in self.asked}
-        removed = [tag for name in factors if of[name].elements for tag in of[name].elements]
-        values = {of[name].place: factor for name, factor in factors.items() if not of[name].elements}
-        script = str(self._script.resolve())
-        return {"script": script, "function": self._function, "factors": values, "removed": sorted(removed)}
-
-    def run(self, folder: Path, factors: Factors) -> Run:
-        """The matrices of the model that the script builds."""
-        out = folder / "model.npz"
-        words = [*self._words, "-P", _opensees.__file__, json.dumps(self._request(factors)), str(out)]
-        install = "Name the Python that has OpenSeesPy by command=."
-        said = self.execute(folder, words, install)
-        if not out.is_file():
-            last = next((line for line in reversed(said.splitlines()) if ": " in line), said[-300:])
-            if "ModuleNotFoundError" in last and "opensees" in last:
-                raise MissingDependencyError(
-                    f'OpenSeesPy is not there. Install it ("pip install openseespy"). {install}'
-                )
-            self.refuse(folder, f"it ended with {last[:300]!r}")
-        return self._read(out, folder)
-
-    def _read(self, out: Path, folder: Path) -> Run:
-        a = read_archive(out)
-        about = json.loads(bytes(a["text"]))
-        n = len(a["points"])
-        k, m = (
-            Entries.joined(*(a[f"{side}.{part}"] for part in ("rows", "columns", "values")))
-            for side in ("stiffness", "mass")
-        )
-        ties: dict[int, list[tuple[int, float]]] = {}
-        for row, dof, value in a["ties"].tolist():
-            ties.setdefault(int(row), []).append((int(dof), value))
-        names = [(node, code) if code else f"{node} dof {nth}" for node, code, nth in a["points"].tolist()]
-        if "reduced.mass" in a:
-            made = eliminate_constraints(
-                k.sparse(n), m.sparse(n), [dict(each) for each in ties.values()], keep=a["retained"].tolist()
-            )
-            for side in ("stiffness", "mass"):
-                own, theirs = np.sort(getattr(made, side).diagonal()), a[f"reduced.{side}"]
-                if own.shape != theirs.shape or np.abs(own - theirs).max() > 1e-9 * np.abs(theirs).max():
-                    self.refuse(
-                        folder, "its constraints are not those of equalDOF, rigidLink and rigidDiaphragm"
-                    )
-        kinds = tuple(about["kinds"])
-        mesh = Mesh(a["nodes"], a["coordinates"], a["elements"], a["connectivity"], kinds, a["kind"])
-        constraints = tuple(tuple(each) for each in ties.values())
-        return Run(k, m, names_of("dofs", names, n), n, constraints, mesh, about["defaults"])
-
-
-class Template(Code):
-    """Any code: an input with ``{name}`` where a value stands, and a command that writes matrices."""
-
-    name = "the command"
-    tolerance = 1e-6  # punch files have seven digits
-
-    def __init__(self, source: Any, command: str | None) -> None:
-        super().__init__(source, command)
-        self._file = existing_file(source)
-        self._text = self._file.read_text(encoding="utf-8", errors="replace")
-        self._words = shlex.split(command or "")
-
-    def ask(self, groups: Any) -> Iterator[Asked]:
-        """The number that stands in place of ``{name}``."""
-        for name, value in _by_name(groups).items():
-            if not self._places(name).search(self._text):
-                got, wanted = (
-                    f"{str(self._file)!r} without {{{name}}}",
-                    "an input with that in place of the number",
-                )
-                reject(
-                    ("groups", name),
-                    got,
-                    wanted,
-                    f"Write {{{name}}}, or {{{name}:.6e}} for a field of few columns.",
-                )
-            yield Asked(name, "value", value=finite_scalar(("groups", name), value))
-
-    @staticmethod
-    def _places(name: str) -> re.Pattern[str]:
-        return re.compile(rf"\{{{re.escape(name)}(?::([^{{}}]*))?\}}")
-
-    def _shown(self, name: str, factor: float, form: str | None) -> str:
-        value = next(each.value for each in self.asked if each.name == name) or 0.0
-        return format(value * factor, form) if form else repr(value * factor)
-
-    def _filled(self, name: str, factor: float, place: re.Match[str]) -> str:
-        return self._shown(name, factor, place[1])
-
-    def written(self, name: str, factor: float) -> float:
-        """Of the first place where it stands."""
-        found = self._places(name).search(self._text)
-        form = found[1] if found else None
-        return float(self._shown(name, factor, form)) / float(self._shown(name, 1.0, form))
-
-    def text(self, factors: Factors) -> str:
-        """The input file of the run."""
-        text = self._text
-        for each in self.asked:
-            factor = factors.get(each.name, 1.0)
-            text = self._places(each.name).sub(partial(self._filled, each.name, factor), text)
-        return f"{self.command}\n" + text.replace("{folder}", str(self._file.resolve().parent))
-
-    def run(self, folder: Path, factors: Factors) -> Run:
-        """The matrices that it leaves in the folder."""
-        name = self._file.name
-        (folder / name).write_text(self.text(factors).partition("\n")[2])
-        marks = {"{input}": name, "{stem}": Path(name).stem}
-        words = [re.sub(r"\{input\}|\{stem\}", lambda m: marks[m[0]], word) for word in self._words]
-        said = self.execute(folder, words, 'Correct command=, as in "nastran {input} batch=no".')
-        written = sorted(each for each in folder.iterdir() if each.name not in (name, "antires.log"))
-        files = [each for each in written if each.name.lower().endswith(tuple(FORMATS))]
-        both = [
-            each
-            for each in files
-            if each.name.lower().endswith(OF_BOTH) and len(matrices_in("source", each)) > 1
-        ]
-        pair = [both[0]] * 2 if both else [next((f for f in files if p.search(f.name)), None) for p in _SIDES]
-        if None in pair:
-            listed = some((each.name for each in written), 8) or "no file"
-            self.refuse(
-                folder,
-                f"the command left {listed}, and no stiffness and mass; it said {said[-200:].strip()!r}",
-            )
-        k, m = (choose("source", file, letter) for file, letter in zip(pair, "KM", strict=True))  # type: ignore[arg-type]
-        names = [] if k.points is None else list(k.points)
-        return _run_of(k.matrix, in_rows_of("source", m, k), names)
-
-
-#: Files of stiffness and of mass by their names: ``job_STIF1.mtx``, ``K.op4``.
-_SIDES = re.compile(r"stif|(?:^|[_.-])k\d*[_.-]", re.I), re.compile(r"mass|(?:^|[_.-])m\d*[_.-]", re.I)
-
-
-class Hook(Code):
-    """A function of Python that returns stiffness and mass, and names of the dofs if it has them."""
-
-    name = "the function"
-
-    def ask(self, groups: Any) -> Iterator[Asked]:
-        """Names of arguments with a number as their default."""
-        defaults = {name: p.default for name, p in inspect.signature(self.source).parameters.items()}
-        for name, place in _by_name(groups).items():
-            value = defaults.get(place)
-            if isinstance(value, bool) or not isinstance(value, int | float):
-                wanted = "an argument of the function with a number as its default"
-                reject(("groups", name), place, wanted, "As in def build(e_web=2.1e11): return K, M.")
-            yield Asked(name, "value", place=place, value=float(value))
-
-    def text(self, factors: Factors) -> str:
-        """Its source, as far as it can be had."""
-        try:
-            source = inspect.getsource(self.source)
-        except (OSError, TypeError):
-            source = os.urandom(16).hex()
-        return f"{dict(factors)}\n{source}"
-
-    def run(self, folder: Path, factors: Factors) -> Run:
-        """What it returns."""
-        from scipy.sparse import coo_array
-
-        values = {
-            each.place: (each.value or 0.0) * factors[each.name]
-            for each in self.asked
-            if each.name in factors
-        }
-        k, m, *names = self.source(**values)
-        return _run_of(coo_array(k), coo_array(m), names[0] if names else ())
-
-
-CODES: dict[str, Callable[[Any, str | None], Code]]
-CODES = {"calculix": CalculiX, "opensees": OpenSees, "command": Template, "python": Hook}
-
-
-def _code_of(source: Any, code: str | None, command: str | None) -> Code:
-    if code is None:
-        name, own = str(source).lower(), command is None or "ccx" in command
-        known = {"python": callable(source), "opensees": name.endswith(".py") or ".py:" in name}
-        known |= {"calculix": name.endswith(".inp") and own, "command": command is not None}
-        code = next((each for each, fits in known.items() if fits), None)
-        if code is None:
-            wanted = (
-                "a .inp of CalculiX, a .py of OpenSeesPy, an input of any code with command=, or a function"
-            )
-            reject("source", str(source), wanted, "Say code= where the ending does not tell.")
-    choice("code", code, tuple(CODES))
-    if code == "command" and not command:
-        reject("command", None, "how the code is run", 'As in command="nastran {input} batch=no".')
-    if callable(source) != (code == "python"):
-        reject(
-            "source", str(source), f"what code={code!r} takes", "A function for 'python', a file for others."
-        )
-    return CODES[code](source, command)
-
 
 # -- Runs in folders of their own, kept by a hash of all they depend on
 
@@ -487,19 +46,18 @@ class Runs:
     def __init__(self, code: Code, folder: Path, workers: int) -> None:
         self._code, self._folder, self._workers = code, folder, workers
         self.base: Run = self._kept({}, lambda run: run)
-        self._both = self.base.both
+        self._both = self.base.both(self.base.n_dof)
 
     def changes(self, several: Sequence[Factors]) -> list[tuple[Any, Any]]:
         """How stiffness and mass change with each, as sparse arrays."""
-        n, what = self.base.n_dof, f"run of {self._code.name}"
         with ThreadPoolExecutor(self._workers) as threads:
             try:
                 with Workers(self._change, threads, seconds_a_chunk=0.0, losses=0) as workers:
-                    found = list(workers.in_order(list(several), what=what))
+                    found = list(workers.in_order(list(several), what="run"))
             except BaseException:  # Ctrl-C among them: what runs would be waited for
                 self._code.stop()
                 raise
-        return [replace(each, n_dof=n).both for each in found]
+        return [each.both(self.base.n_dof) for each in found]
 
     def _change(self, factors: Factors) -> Run:
         return self._kept(factors, lambda run: self._difference(run, factors))
@@ -508,12 +66,10 @@ class Runs:
         if run.names != self.base.names or run.n_dof != self.base.n_dof:
             got = f"{run.n_dof} rows with {dict(factors)}, {self.base.n_dof} before"
             wanted = "a model whose dofs stay the same when the value of a group changes"
-            remedy = (
-                "Where thicknesses of shells begin to differ, CalculiX makes other rows: take all as one."
-            )
+            remedy = "CalculiX makes other rows where thicknesses of shells begin to differ: take all as one."
             reject(("groups", next(iter(factors))), got, wanted, remedy)
         made = []
-        for now, before in zip(run.both, self._both, strict=True):
+        for now, before in zip(run.both(run.n_dof), self._both, strict=True):
             change = (now - before).tocsr()
             size = abs(now).maximum(abs(before))
             made.append(Entries.of_sparse(change.multiply(abs(change) > self._code.rounding * size).tocsr()))
@@ -529,10 +85,8 @@ class Runs:
                 return Run(**decoded(read_store(file, FORMAT, VERSION, wanted)[1]["run"], str(file)))
             except AntiresError:
                 pass  # damaged: it is run again
-        with tempfile.TemporaryDirectory(
-            prefix=f"{key[:8]}.", dir=self._folder, ignore_cleanup_errors=True
-        ) as folder:
-            run = of(self._code.run(Path(folder), factors))
+        with _own_folder(f"{os.getpid()}-", self._folder) as folder:
+            run = of(self._code.run(folder, factors))
         store = Store()
         write_store(file, {"format": FORMAT, "version": VERSION, "run": encoded(vars(run), store)}, store)
         return run
@@ -558,7 +112,6 @@ class Fitted:
         for row, at, each in zip(values, flat, entries, strict=True):
             row[np.searchsorted(self._at, at)] = each.data
         scale = sizes[self._at // n] * sizes[self._at % n]
-        self.powers: dict[int, Any] = {}
         self.remainder = np.inf
         for powers in self._sets(len(factors)):
             by = np.array([[s**p - 1.0 for p in powers] for s in factors])
@@ -600,7 +153,7 @@ class Finder:
     def __init__(self, code: Code, runs: Runs) -> None:
         self._code, self._runs = code, runs
         self._sizes = []
-        for matrix in runs.base.both:
+        for matrix in runs.base.both(runs.base.n_dof):
             own = np.sqrt(np.abs(matrix.diagonal()))
             self._sizes.append(np.maximum(own, 1e-6 * own.max(initial=1e-300)))
 
@@ -675,6 +228,12 @@ class Finder:
 # -- The model
 
 
+@contextmanager
+def _own_folder(prefix: str, parent: Path | None = None) -> Iterator[Path]:
+    with tempfile.TemporaryDirectory(prefix=prefix, dir=parent, ignore_cleanup_errors=True) as folder:
+        yield Path(folder)
+
+
 def read_model(
     source: Any,
     *,
@@ -708,7 +267,7 @@ def read_model(
         without its ending. For CalculiX, ``ccx`` by default; for OpenSeesPy the Python that has it.
     out : path-like, optional
         File ``.npz`` for the model, for :func:`read_matrices`. Beside it ``.runs`` keeps what each run gave:
-        called again after a stop, or with other groups, only what is not there is run.
+        called again after a stop, only what is not there is run.
     workers : int, optional
         Runs at a time. Default: one for each processor. No number depends on it.
     progress : bool, optional
@@ -759,11 +318,9 @@ def read_model(
     target = None if out is None else Path(out)
     if target is not None and (target.suffix != ".npz" or not target.parent.is_dir()):
         reject("out", str(out), "a file that ends in .npz, in a folder that exists", "Choose another name.")
-    chosen = _code_of(source, code, command)
-    chosen.asked = list(chosen.ask(groups))
-    _apart(chosen.asked)
-    with waiting(f"running {chosen.name}", progress), _folder(target) as folder:
-        runs = Runs(chosen, folder, at_once)
+    chosen = opened(source, code, command, groups)
+    with waiting(f"running {chosen.name}", progress), _folder(target if chosen.keeps else None) as folder:
+        runs = Runs(chosen, folder, at_once if chosen.keeps else 1)
         model = _model(chosen, runs.base, Finder(chosen, runs).terms())
     if target is not None:
         write_matrices(target, model)
@@ -774,30 +331,30 @@ def read_model(
 def _folder(target: Path | None) -> Iterator[Path]:
     """Where runs are kept: beside the model, or nowhere."""
     if target is None:
-        with tempfile.TemporaryDirectory(prefix="antires_", ignore_cleanup_errors=True) as folder:
-            yield Path(folder)
+        with _own_folder("antires_") as folder:
+            yield folder
         return
     kept = target.with_suffix(".runs")
     kept.mkdir(exist_ok=True)
+    for left in kept.glob("*-*"):  # by processes that were killed
+        if not alive(int(left.name.partition("-")[0])):
+            shutil.rmtree(left, ignore_errors=True)
     yield kept
 
 
 def _model(code: Code, base: Run, found: Terms) -> MatrixModel:
-    sides: tuple[dict[str, Any], dict[str, Any]] = ({}, {})
+    named: tuple[dict[str, Any], dict[str, Any]] = ({}, {})
     groups = []
     for each in code.asked:
-        powers: list[tuple[tuple[int, int], ...]] = []
-        linear = all([*side] in ([], [1]) for side in found[each.name])
-        for terms, side in zip(sides, found[each.name], strict=True):
+        sides, powers = found[each.name], list[Powers]()
+        linear = all({*side} <= {1} for side in sides)
+        for terms, side in zip(named, sides, strict=True):
             powers.append(tuple((len(terms) + nth, power) for nth, power in enumerate(side)))
-            terms.update(
-                {each.name if linear else f"{each.name}^{power}": term for power, term in side.items()}
-            )
-        value = base.values.get(each.place, each.value)
-        elements = np.array(each.elements, dtype=np.intp)
+            terms |= {each.name if linear else f"{each.name}^{power}": term for power, term in side.items()}
+        value, elements = base.values.get(each.place, each.value), np.array(each.elements, dtype=np.intp)
         groups.append(TermGroup(each.name, each.quantity, value, powers[0], powers[1], elements))
-    k, m = base.both
+    k, m = base.both(base.n_dof)
     more: dict[str, Any] = {"dofs": base.names or None, "groups": groups, "mesh": base.mesh}
     if base.constraints:
         more["constraints"] = list(map(dict, base.constraints))
-    return MatrixModel(k, m, stiffness_terms=sides[0], mass_terms=sides[1], **more)
+    return MatrixModel(k, m, stiffness_terms=named[0], mass_terms=named[1], **more)

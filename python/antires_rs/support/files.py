@@ -90,11 +90,12 @@ def _forget_half_written(target: Path) -> None:
     with suppress(OSError):  # the target is in place, which is what was asked for
         for name in os.listdir(target.parent):
             found = _BESIDE.fullmatch(name)
-            if found and found[1] == target.name and not _alive(int(found[2])):
+            if found and found[1] == target.name and not alive(int(found[2])):
                 target.with_name(name).unlink(missing_ok=True)
 
 
-def _alive(process: int) -> bool:
+def alive(process: int) -> bool:
+    """Whether a process of this number is there."""
     try:
         os.kill(process, 0)
     except ProcessLookupError:

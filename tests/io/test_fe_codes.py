@@ -1,0 +1,620 @@
+"""Models from runs of finite-element codes: terms, checks, what is kept; CalculiX and OpenSees themselves."""
+
+import importlib.util
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.app.main import main as antires
+from antires_rs.io import calculix
+from antires_rs.io.matrix_files import completed
+from tests.support.refusals import refused
+
+needs_calculix = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not on PATH")
+needs_opensees = pytest.mark.skipif(
+    importlib.util.find_spec("openseespy") is None, reason="openseespy is not installed"
+)
+SETS = 20  # random sets of values, each against a run of the code with them
+
+
+def largest(one, other):
+    """Largest difference of two matrices as a share of their entries, sqrt(K_ii K_jj)."""
+    size = np.sqrt(np.abs(other.diagonal()))
+    size = np.maximum(size, 1e-6 * size.max())
+    return float((abs((one - other).toarray()) / np.outer(size, size)).max())
+
+
+# -- Terms, by functions of Python
+
+
+def strip(e_web=100.0, t_skin=2.0, rho=3.0):
+    web = e_web * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    skin = np.array([[40.0 * t_skin + 5.0 * t_skin**3, 0.0], [0.0, 7.0 / t_skin]])
+    return web + skin, rho * np.diag([1.0, 2.0]), ["1:X", "2:X"]
+
+
+def test_terms_of_a_function_are_powers_of_its_values():
+    model = ar.read_model(strip, groups={"web": "e_web", "skin": "t_skin", "mass": "rho"})
+    web, skin = model.groups["web"], model.groups["skin"]
+    assert (web.value, web.linear, web.stiffness_powers, web.mass_powers) == (100.0, True, ((0, 1),), ())
+    assert sorted(power for _, power in skin.stiffness_powers) == [-1, 1, 3]
+    assert (skin.linear, model.default_elements) == (False, [0])
+    assert [model.element_label(i) for i in range(2)] == ["web", "skin^1"]
+    assert model.mass_label(model.groups["mass"].mass_powers[0][0]) == "mass"
+    rng = np.random.default_rng(0)
+    for factors in rng.uniform(0.6, 1.4, (SETS, 3)):
+        s = dict(zip(("web", "skin", "mass"), factors, strict=True))
+        stiffness, mass, _ = strip(100.0 * s["web"], 2.0 * s["skin"], 3.0 * s["mass"])
+        made = model.with_group_factors(s)
+        np.testing.assert_allclose(made.stiffness().toarray(), stiffness, rtol=1e-9)
+        np.testing.assert_allclose(made.mass().toarray(), mass, rtol=1e-12)
+
+
+def test_parameters_and_candidates_go_by_the_name_of_a_group():
+    model = ar.read_model(strip, groups={"web": "e_web", "skin": "t_skin", "mass": "rho"})
+    parameters = [ar.stiffness_factor("web", bounds=(0.5, 1.5)), ar.mass_factor("mass", bounds=(0.5, 1.5))]
+    measured = ar.AntiresonanceSet("1:X", {"1:X": model.antiresonances("1:X", "1:X")})
+    problem = ar.UpdatingProblem(model, parameters, measured.relabelled(0, {"1:X": 0}))
+    assert problem.names == ["stiffness of web", "mass"]
+    assert problem.parameters[0].terms == (0,)
+    assert model.element("web") == 0
+    refused("the stiffness term 'rib'.*one of 'web'", model.element, "rib")
+    refused("no straight line in its value", model.element, "skin")
+    refused("a number: its terms have no names", ar.MassSpringChain([1.0, 2.0], [5.0]).element, "web")
+    refused("an unknown group; wanted factors by group: 'web'", model.with_group_factors, {"rib": 2.0})
+    refused(r"factors\['web'\]: got 0.0", model.with_group_factors, {"web": 0.0})
+    assert model.with_group_factors({}) is model
+
+
+def test_what_is_no_sum_of_terms_is_refused_with_what_is_left():
+    def curved(angle=0.5):
+        return np.array([[np.cosh(6.0 * angle)]]), np.eye(1)
+
+    def product(e=2.0, t=3.0):
+        return np.array([[e * t**3 + 1.0]]), np.eye(1)
+
+    def still(e=2.0):
+        return np.array([[1.0]]), np.eye(1)
+
+    def growing(n=2.0):
+        return np.eye(int(n)), np.eye(int(n))
+
+    refused(
+        r"groups\['angle'\].*no polynomial in its value: .* is left", ar.read_model, curved, groups="angle"
+    )
+    refused("do not add up", ar.read_model, product, groups=["e", "t"])
+    refused("a value that changes neither", ar.read_model, still, groups=["e"])
+    refused("dofs stay the same", ar.read_model, growing, groups=["n"])
+    refused("an argument of the function", ar.read_model, still, groups=["x"])
+    refused("groups: got none", ar.read_model, still, groups=[])
+    refused("a list of such", ar.read_model, still, groups=3)
+    refused("code='calculix' takes", ar.read_model, still, groups="e", code="calculix")
+    refused(r"\.inp of CalculiX", ar.read_model, "model.bdf", groups="e")
+    refused("how the code is run", ar.read_model, "model.bdf", groups="e", code="command")
+    refused("in a folder that exists", ar.read_model, still, groups="e", out="model.mat")
+
+
+# -- Any code by a command: here a program that writes Matrix Market files
+
+PROGRAM = """
+    import pathlib, sys, time
+
+    lines = [line.split() for line in open(sys.argv[1])]
+    given = dict(line for line in lines if len(line) == 2)
+    folder = given.pop("log")
+    values = {name: float(value) for name, value in given.items()}
+    with open(folder + "/log.txt", "a") as log:
+        log.write("run\\n")
+    time.sleep(values.get("sleep", 0.0))
+    if values["web"] > 1e3:
+        sys.exit("web out of range")
+    k = [values["web"] + 3.0 * values["skin"], -values["web"], values["web"] + 0.2 * values["skin"] ** 3]
+    for name, (a, b, c) in {"K": k, "M": (1.0, 0.0, 2.0)}.items():
+        head = "%%MatrixMarket matrix coordinate real symmetric\\n2 2 3\\n"
+        pathlib.Path(name + ".mtx").write_text(f"{head}1 1 {a!r}\\n2 1 {b!r}\\n2 2 {c!r}\\n")
+"""
+GROUPS = {"web": 100.0, "skin": 4.0}
+
+
+@pytest.fixture
+def program(tmp_path):
+    """Its input with places for values, and the command."""
+    (tmp_path / "code.py").write_text(textwrap.dedent(PROGRAM))
+    source = tmp_path / "strip.dat"
+    source.write_text("web {web}\nskin {skin:.5e}\nlog {folder}\n")
+    return source, f"{sys.executable} {tmp_path / 'code.py'} {{input}}"
+
+
+def runs_of(folder):
+    log = folder / "log.txt"
+    return len(log.read_text().splitlines()) if log.exists() else 0
+
+
+def test_a_command_is_run_for_the_terms_once(program, tmp_path):
+    source, command = program
+    out = tmp_path / "strip.npz"
+    model = ar.read_model(source, groups=GROUPS, command=command, out=out)
+    assert model.groups["web"].linear
+    assert sorted(power for _, power in model.groups["skin"].stiffness_powers) == [1, 3]
+    changed = model.with_group_factors({"web": 1.3, "skin": 0.7}).stiffness().toarray()
+    k = [130.0 + 3.0 * 2.8, -130.0, 130.0 + 0.2 * 2.8**3]
+    np.testing.assert_allclose(changed, [[k[0], k[1]], [k[1], k[2]]], rtol=1e-9)
+    assert runs_of(tmp_path) == 1 + 2 + 5 + 1
+    again = ar.read_model(source, groups=GROUPS, command=command, out=out)
+    assert runs_of(tmp_path) == 9  # nothing was run again
+    assert again.description == model.description == ar.read_matrices(out).description
+    kept = sorted((tmp_path / "strip.runs").iterdir())
+    kept[3].write_bytes(kept[3].read_bytes()[:100])  # damaged: run again
+    ar.read_model(source, groups=GROUPS, command=command, out=out)
+    assert runs_of(tmp_path) == 10
+    source.write_text(source.read_text() + "note 1\n")  # another input
+    ar.read_model(source, groups=GROUPS, command=command, out=out, workers=1)
+    assert runs_of(tmp_path) == 19
+
+
+def test_a_command_that_fails_is_told(program, tmp_path):
+    source, command = program
+    refused("without {rib}", ar.read_model, source, groups={"rib": 1.0}, command=command)
+    refused(
+        "the command left no file.*web out of range",
+        ar.read_model,
+        source,
+        groups=GROUPS | {"web": 2e3},
+        command=command,
+    )
+    with pytest.raises(ar.MissingDependencyError, match="which is not there. Correct command="):
+        ar.read_model(source, groups=GROUPS, command="no_such_code {input}")
+    refused("a finite number", ar.read_model, source, groups={"web": "WEB"}, command=command)
+
+
+def test_killed_in_the_middle_it_goes_on_to_the_same_file(program, tmp_path):
+    source, command = program
+    whole = ar.read_model(source, groups=GROUPS, command=command, out=tmp_path / "whole.npz")
+    (tmp_path / "log.txt").unlink()
+    source.write_text(source.read_text() + "sleep 0.4\n")
+    out = tmp_path / "killed.npz"
+    options = {"groups": GROUPS, "command": command, "out": str(out), "workers": 1}
+    call = f"import antires_rs as ar; ar.read_model({str(source)!r}, **{options})"
+    process = subprocess.Popen([sys.executable, "-c", call])
+    for _ in range(600):
+        if runs_of(tmp_path) > 3 or process.poll() is not None:
+            break
+        time.sleep(0.05)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    assert not out.exists()
+    done = len(list((tmp_path / "killed.runs").glob("*.npz")))
+    assert 2 <= done <= 4
+    before = runs_of(tmp_path)
+    made = ar.read_model(source, groups=GROUPS, command=command, out=out)
+    assert runs_of(tmp_path) - before == 9 - done
+    assert made.description == whole.description
+    assert not [each for each in (tmp_path / "killed.runs").iterdir() if each.is_dir()]
+
+
+def test_the_command_line_makes_a_model_for_a_job(program, tmp_path, capsys):
+    source, command = program
+    out = tmp_path / "model.npz"
+    call = ["model", str(source), "--command", command, "--out", str(out), "--groups"]
+    assert antires([*call, "web=100", "skin=4"]) == 0
+    told = capsys.readouterr().out
+    assert "2 dofs" in told
+    assert "skin  value 4: stiffness with powers 1, 3" in told
+    assert antires([*call, "web=100", "skin=4", "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert [(row["name"], row["linear"]) for row in data["groups"]] == [("web", True), ("skin", False)]
+    model = ar.read_matrices(out)
+    now = model.with_parameters(ar.stiffness_reduction("web"), [0.3])
+    zeros = {dof: now.antiresonances(dof, 0) for dof in (0, 1)}
+    ar.AntiresonanceSet(0, {dof: hz for dof, hz in zeros.items() if len(hz)}).save(tmp_path / "now.json")
+    (tmp_path / "job.toml").write_text(
+        '[data]\nfile = "now.json"\n[model]\nkind = "matrices"\nfile = "model.npz"\n'
+        '[damage]\nelements = ["web"]\n[output]\nfolder = "found"\nreport = false\npictures = false\n'
+    )
+    assert antires(["damage", str(tmp_path / "job.toml")]) == 0
+    assert "web" in capsys.readouterr().out
+    assert antires([*call, "rib=1"]) == 2
+    assert "--groups" in capsys.readouterr().err
+
+
+# -- CalculiX: its input, without the code
+
+INPUT = """\
+*HEADING
+A plate ** and what it is
+*INCLUDE, INPUT=mesh.txt
+*Elset, elset=Tip, generate
+ 3, 4, 1
+*ELSET, ELSET=BOTH
+Tip, 2
+*MATERIAL, NAME=Steel
+*ELASTIC
+ 2.1E+11, 0.3, 20.
+ 1.9E+11, 0.3, 200.
+*DENSITY
+7850.
+*MATERIAL, NAME=PLY
+*ELASTIC, TYPE=ENGINEERING CONSTANTS
+1.e11, 2.e10, 3.e10, 0.3, 0.3, 0.3, 4.e9, 5.e9
+6.e9, 20.
+*SOLID SECTION, ELSET=EALL, MATERIAL=Steel
+*SHELL SECTION, ELSET=SKIN, MATERIAL=PLY,
+OFFSET=0.5
+0.002
+*STEP
+*STATIC
+*CLOAD
+1, 3, -10.
+*BOUNDARY
+1, 1, 3
+*NODE FILE
+U
+*END STEP
+"""
+MESH = """\
+*NODE
+1, 0., 0., 0.
+2, 1., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+*ELEMENT, TYPE=C3D4, ELSET=EALL
+1, 1, 2, 3, 4
+2, 1, 2, 3,
+4
+3, 1, 2, 3, 4
+4, 1, 2, 3, 4
+*ELEMENT, TYPE=S4, ELSET=SKIN
+9, 1, 2, 3, 4
+"""
+
+
+@pytest.fixture
+def deck(tmp_path):
+    (tmp_path / "plate.inp").write_text(INPUT)
+    (tmp_path / "mesh.txt").write_text(MESH)
+    return calculix.Deck(tmp_path / "plate.inp")
+
+
+def test_the_input_of_calculix_is_read_with_what_it_includes(deck, tmp_path):
+    assert deck.elements_of("both") == [3, 4, 2]
+    assert deck.elements_of("steel") == [1, 2, 3, 4]
+    assert (deck.names("elset"), deck.names("material")) == (["EALL", "SKIN"], ["Steel", "PLY"])
+    mesh = deck.mesh()
+    assert (mesh.nodes.tolist(), mesh.elements.tolist(), mesh.kinds) == (
+        [1, 2, 3, 4],
+        [1, 2, 3, 4, 9],
+        ("C3D4", "S4"),
+    )
+    np.testing.assert_array_equal(mesh.place(2), [1.0, 0.0, 0.0])
+    refused("a node of the mesh", mesh.place, 7)
+    assert deck.value("youngs_modulus", [1, 3]) == 2.1e11
+    assert deck.value("youngs_modulus", [1, 9]) is None
+    assert deck.value("thickness", [9]) == 0.002
+    refused("thickness of a \\*SOLID SECTION", deck.value, "thickness", [1])
+    refused("density of the material 'PLY'", deck.value, "density", [9])
+    refused("one of EALL, SKIN, TIP, BOTH, STEEL", deck.elements_of, "WEB")
+    for text, said in (
+        (INPUT.replace("mesh.txt", "gone.txt"), "which includes"),
+        (INPUT.replace("EALL", "NONE").replace("SKIN", "NONE"), "without a section that has elements"),
+        (INPUT.replace(" 3, 4, 1", " 3, x"), r"\*ELSET card cannot be read"),
+    ):
+        (tmp_path / "wrong.inp").write_text(text)
+        refused(said, calculix.Deck, tmp_path / "wrong.inp")
+
+
+def test_values_are_scaled_in_pieces_that_do_not_depend_on_them(deck):
+    groups = {"tip": ("youngs_modulus", [3, 4]), "skin": ("thickness", [9]), "ply": ("youngs_modulus", [9])}
+    text = deck.text(groups, {"tip": 2.0, "skin": 1.5, "ply": 0.5})
+    cards = text.split("*")
+    tip, skin = (
+        next(c for c in cards if c.startswith(f"{s} SECTION") and m in c)
+        for s, m in (("SOLID", "MATERIAL=ANT"), ("SHELL", ""))
+    )
+    assert skin.endswith("0.003\n")
+    assert "OFFSET=0.5" in skin
+    elastic = [c.splitlines()[1:] for c in cards if c.startswith("ELASTIC")]
+    assert ["420000000000.0, 0.3, 20.", "380000000000.0, 0.3, 200."] in elastic
+    halved = [
+        "50000000000.0, 10000000000.0, 15000000000.0, 0.3, 0.3, 0.3, 2000000000.0, 2500000000.0",
+        "3000000000.0, 20.",
+    ]
+    assert halved in elastic
+    name = tip.partition("ELSET=")[2].partition(",")[0]
+    assert f"*ELSET, ELSET={name}\n3, 4\n" in text
+    plain = deck.text(groups, {})
+    assert [line for line in plain.splitlines() if line[0] == "*"] == [
+        line for line in text.splitlines() if line[0] == "*"
+    ]
+    step = text[text.index("*STEP") :]
+    assert step.startswith("*STEP\n*BOUNDARY\n1, 1, 3\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n1\n*CLOAD\n1,1,0.\n")
+    assert "-10." not in text
+
+
+def test_what_calculix_stores_is_named_by_node_layer_and_knot(tmp_path):
+    (tmp_path / "m.dof").write_text("1.1\n1.3\n1.3\n9.2\n")
+    (tmp_path / "m.sti").write_text("1 1 5.0e0\n1 2 -1.e0\n2 2 4.e0\n3 3 1.0e0\n4 4 1.0e0\n")
+    (tmp_path / "m.mas").write_text("1 1 1.e0\n2 2 1.0e0\n3 3 1.e0\n4 4 1.e0\n")
+    stiffness, mass, names = calculix.stored(tmp_path, "m", frozenset({1, 2}))
+    assert names == ("1:X", "1:Z", "1:Z, layer 2", "knot 9 2")
+    assert stiffness.toarray()[:2, :2].tolist() == [[5.0, -1.0], [-1.0, 4.0]]
+    np.testing.assert_array_equal(mass.toarray(), np.eye(4))
+    (tmp_path / "m.dof").write_text("1.1\n")
+    with pytest.raises(ValueError, match="does not fit the 1 rows"):
+        calculix.stored(tmp_path, "m", frozenset({1}))
+    assert calculix.errors_in("x *ERROR reading\n *MATERIAL: none") == "*ERROR reading *MATERIAL: none"
+
+
+def test_groups_of_calculix_share_no_elements(tmp_path, deck, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))  # no CalculiX
+    plate = tmp_path / "plate.inp"
+    refused("'Tip' and 'BOTH', which share 2", ar.read_model, plate, groups=["Tip", "BOTH"])
+    refused("one of 'youngs_modulus', 'density', 'thickness'", ar.read_model, plate, groups="Tip:mass")
+    refused("elements that have a section", ar.read_model, plate, groups={"a": [77]})
+    with pytest.raises(ar.MissingDependencyError, match="apt install calculix-ccx"):
+        ar.read_model(plate, groups="Tip")
+
+
+# -- CalculiX itself: a plate of shells with a rib of solids' kind, and a block of solids
+
+
+def block(moduli=(2.1e11, 1.0e11), rho=7850.0, cells=(4, 2, 6)):
+    """Hexahedra on a clamped foot, the upper half a set of its own; and an MPC that ties two corners."""
+    nx, ny, nz = cells
+    number = {}
+    for k in range(nz + 1):
+        for j in range(ny + 1):
+            for i in range(nx + 1):
+                number[i, j, k] = len(number) + 1
+    lines = ["*NODE, NSET=NALL"]
+    lines += [f"{n}, {0.05 * i}, {0.04 * j}, {0.06 * k}" for (i, j, k), n in number.items()]
+    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+    element = 0
+    for name, layers in (("LOW", range(nz // 2)), ("HIGH", range(nz // 2, nz))):
+        lines.append(f"*ELEMENT, TYPE=C3D8I, ELSET={name}")
+        for k in layers:
+            for j in range(ny):
+                for i in range(nx):
+                    element += 1
+                    nodes = [number[i + a, j + b, k + c] for a, b, c in corners]
+                    lines.append(f"{element}, {', '.join(map(str, nodes))}")
+    lines += ["*ELSET, ELSET=EALL", "LOW, HIGH", "*ELSET, ELSET=TOP", f"{element - 3}, {element - 2}"]
+    for name, modulus in zip(("LOW", "HIGH"), moduli, strict=True):
+        lines += [f"*MATERIAL, NAME=M{name}", "*ELASTIC", f"{modulus:.10e}, 0.3", "*DENSITY", f"{rho:.10e}"]
+        lines.append(f"*SOLID SECTION, ELSET={name}, MATERIAL=M{name}")
+    one, other = number[0, 0, nz], number[nx, 0, nz]
+    lines += ["*EQUATION", "2", f"{one},2,1.,{other},2,-1.", "*BOUNDARY"]
+    lines += [f"{number[i, j, 0]}, 1, 3" for i in range(nx + 1) for j in range(ny + 1)]
+    return "\n".join(lines) + "\n", number
+
+
+def ribbed(thickness=0.02, nx=3, ny=2):
+    """A clamped plate of shells with a rib across it."""
+    lines, number, elements = ["*NODE, NSET=NALL"], {}, {"SKIN": [], "RIB": []}
+
+    def node(i, j, k):
+        if (i, j, k) not in number:
+            number[i, j, k] = len(number) + 1
+            lines.append(f"{number[i, j, k]}, {0.1 * i}, {0.1 * j}, {0.08 * k}")
+        return number[i, j, k]
+
+    around = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]
+    for i in range(nx):
+        for j in range(ny):
+            elements["SKIN"].append([node(2 * i + a, 2 * j + b, 0) for a, b in around])
+    for i in range(nx):
+        elements["RIB"].append([node(2 * i + a, ny, b) for a, b in around])
+    nth = 0
+    for name, rows in elements.items():
+        lines.append(f"*ELEMENT, TYPE=S8R, ELSET={name}")
+        for row in rows:
+            nth += 1
+            lines.append(f"{nth}, {', '.join(map(str, row))}")
+    lines += ["*MATERIAL, NAME=STEEL", "*ELASTIC", "2.1e11, 0.3", "*DENSITY", "7850."]
+    for name, t in (("SKIN", thickness), ("RIB", 0.015)):
+        lines += [f"*SHELL SECTION, ELSET={name}, MATERIAL=STEEL", f"{t:.10e}"]
+    lines += ["*BOUNDARY", *(f"{n}, 1, 6" for (i, _, _), n in number.items() if i == 0)]
+    return "\n".join(lines) + "\n", number
+
+
+def calculix_hz(text, folder, supports="", n_modes=10):
+    """Frequencies that CalculiX itself finds, with further supports."""
+    step = f"*STEP\n*FREQUENCY\n{n_modes}\n*END STEP\n"
+    (folder / "own.inp").write_text(text + supports + step)
+    subprocess.run(["ccx", "-i", "own"], cwd=folder, check=True, capture_output=True)
+    rows = [line.split() for line in (folder / "own.dat").read_text().splitlines()]
+    return np.array([float(row[3]) for row in rows if len(row) == 5 and row[0].isdigit()])[:n_modes]
+
+
+def calculix_matrices(text, folder):
+    """Stiffness and mass of a run of CalculiX with this input, not by read_model."""
+    (folder / "alone.inp").write_text(text + "*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n1\n*END STEP\n")
+    subprocess.run(["ccx", "-i", "alone"], cwd=folder, check=True, capture_output=True)
+    n = len((folder / "alone.dof").read_text().split())
+    parts = (np.loadtxt(folder / f"alone.{ending}") for ending in ("sti", "mas"))
+    return [completed(p[:, 0] - 1, p[:, 1] - 1, p[:, 2], n).tocsr() for p in parts]
+
+
+@needs_calculix
+def test_terms_of_calculix_against_its_own_runs_with_other_moduli(tmp_path):
+    text, _ = block()
+    (tmp_path / "block.inp").write_text(text)
+    groups = {"low": "LOW", "high": "HIGH", "all": "EALL:density"}
+    model = ar.read_model(tmp_path / "block.inp", groups=groups, out=tmp_path / "block.npz")
+    terms = model.description.recipe.stiffness_terms
+    whole = sum(term.sparse(model.n_dof) for term in terms)  # all elements are in a group: nothing is left
+    assert largest(whole, model.stiffness()) < 1e-12
+    assert model.default_elements == [0, 1]
+    rng = np.random.default_rng(1)
+    worst = []
+    for low, high, all_ in rng.uniform(0.5, 2.0, (SETS, 3)).round(4):
+        stiffness, mass = calculix_matrices(block((low * 2.1e11, high * 1.0e11), all_ * 7850.0)[0], tmp_path)
+        made = model.with_group_factors({"low": low, "high": high, "all": all_})
+        worst.append((largest(made.stiffness(), stiffness), largest(made.mass(), mass)))
+    assert np.max(worst) < 1e-9, np.max(worst, axis=0)
+    # A part of a section, in a model of its own.
+    top = ar.read_model(tmp_path / "block.inp", groups=["TOP"])
+    changed = ar.read_model(tmp_path / "block.inp", groups=["TOP", "LOW"]).with_group_factors({"TOP": 0.5})
+    assert largest(changed.stiffness(), top.with_group_factors({"TOP": 0.5}).stiffness()) < 1e-12
+    assert 0 < top.groups["TOP"].elements.size < 3
+
+
+@needs_calculix
+def test_frequencies_and_dips_are_those_of_calculix(tmp_path):
+    text, number = block()
+    (tmp_path / "block.inp").write_text(text)
+    model = ar.read_model(tmp_path / "block.inp", groups="elset")
+    np.testing.assert_allclose(model.modes(10).freq_hz, calculix_hz(text, tmp_path), rtol=1e-6)
+    rng = np.random.default_rng(2)
+    free = [n for (i, j, k), n in number.items() if 0 < k < 6 and i + j > 0]
+    for node in rng.choice(free, 10, replace=False):
+        for axis in (1, 2):  # a dof that is held: its frequencies are the antiresonances of the driven point
+            held = calculix_hz(text, tmp_path, f"{node}, {axis}, {axis}\n", 6)
+            name = f"{node}:{axis}"
+            dips = model.antiresonances(name, name, f_max_hz=held[-1] * 1.001, include_cancelled=True)
+            np.testing.assert_allclose(dips, held, rtol=1e-6)
+
+
+@needs_calculix
+def test_thickness_of_shells_is_a_polynomial(tmp_path):
+    text, number = ribbed()
+    (tmp_path / "plate.inp").write_text(text)
+    groups = {"skin": "SKIN:thickness", "rib": "RIB"}
+    model = ar.read_model(tmp_path / "plate.inp", groups=groups)
+    assert not model.groups["skin"].linear
+    np.testing.assert_allclose(model.modes(5).freq_hz, calculix_hz(text, tmp_path, n_modes=5), rtol=5e-6)
+    rng = np.random.default_rng(3)
+    for factor in rng.uniform(0.6, 1.6, SETS).round(3):
+        (tmp_path / "other.inp").write_text(ribbed(factor * 0.02)[0])
+        own = ar.read_model(tmp_path / "other.inp", groups=["RIB"])
+        made = model.with_group_factors({"skin": factor})
+        assert largest(made.stiffness(), own.stiffness()) < 1e-6
+        assert largest(made.mass(), own.mass()) < 1e-6
+    node = number[6, 1, 0]  # the node itself, not a layer of the shell
+    held = calculix_hz(text, tmp_path, f"{node}, 3, 3\n", 4)
+    np.testing.assert_allclose(
+        model.antiresonances(f"{node}:Z", f"{node}:Z", f_max_hz=held[-1] * 1.001, include_cancelled=True),
+        held,
+        rtol=1e-4,
+    )
+
+
+# -- OpenSeesPy itself: a frame in space with rigid floors
+
+FRAME = """
+    import openseespy.opensees as ops
+
+    def build(e_columns=3.0e10, e_beams=2.5e10, depth=0.3, rho=225.0, held=0, stories=3):
+        ops.wipe()
+        ops.model("basic", "-ndm", 3, "-ndf", 6)
+        corners = [(0, 0), (5, 0), (5, 4), (0, 4)]
+        for k in range(stories + 1):
+            for c, (x, y) in enumerate(corners, 1):
+                ops.node(10 * k + c, x, y, 3.0 * k)
+        for c in range(1, 5):
+            ops.fix(c, 1, 1, 1, 1, 1, 1)
+        ops.geomTransf("Linear", 1, 1, 0, 0)
+        ops.geomTransf("Linear", 2, 0, 0, 1)
+        area, strong, weak = 0.3 * depth, 0.3 * depth**3 / 12, depth * 0.3**3 / 12
+        for k in range(1, stories + 1):
+            for c in range(1, 5):
+                column = (area, e_columns, e_columns / 2.4, 1e-3, strong, weak, 1, "-mass", rho)
+                ops.element("elasticBeamColumn", 10 * k + c, 10 * k - 10 + c, 10 * k + c, *column)
+                beam = (0.09, e_beams, e_beams / 2.4, 1e-3, 7e-4, 7e-4, 2)
+                ops.element("elasticBeamColumn", 100 + 10 * k + c, 10 * k + c, 10 * k + c % 4 + 1, *beam)
+            ops.node(1000 + k, 2.4, 2.1, 3.0 * k)
+            ops.mass(1000 + k, 2e4, 2e4, 0.0, 0.0, 0.0, 6e4)
+            ops.fix(1000 + k, 0, 0, 1, 1, 1, 0)
+            ops.rigidDiaphragm(3, 1000 + k, *(10 * k + c for c in range(1, 5)))
+        ops.node(2000, 5.5, 0.0, 3.0)
+        ops.rigidLink("beam", 1001, 2000)
+        ops.mass(2000, 100.0, 100.0, 100.0, 1.0, 1.0, 1.0)
+        ops.node(3000, 0.0, 0.0, 5.0)
+        ops.mass(3000, 300.0, 300.0, 0.0, 0.0, 0.0, 0.0)
+        ops.fix(3000, 0, 0, 1, 1, 1, 1)
+        ops.equalDOF(1002, 3000, 1, 2)
+        if held:
+            ops.fix(1003, held == 1, held == 2, 0, 0, 0, 0)
+
+    if __name__ == "__main__":
+        build()
+"""
+OWN_HZ = """
+    import json, sys
+    import openseespy.opensees as ops
+    from frame import build
+
+    found = []
+    for values in json.loads(sys.argv[1]):
+        build(**values)
+        ops.constraints("Transformation")
+        found.append([each**0.5 / 6.283185307179586 for each in ops.eigen("-genBandArpack", 9)])
+    open("hz.json", "w").write(json.dumps(found))
+"""
+
+
+@pytest.fixture
+def frame(tmp_path):
+    (tmp_path / "frame.py").write_text(textwrap.dedent(FRAME))
+    (tmp_path / "own_hz.py").write_text(textwrap.dedent(OWN_HZ))
+
+    def own_hz(*several):
+        call = [sys.executable, "own_hz.py", json.dumps(several)]
+        subprocess.run(call, cwd=tmp_path, check=True, capture_output=True)
+        return json.loads((tmp_path / "hz.json").read_text())
+
+    return tmp_path / "frame.py", own_hz
+
+
+@needs_opensees
+def test_terms_of_opensees_against_its_own_runs(frame):
+    script, own_hz = frame
+    groups = {"columns": "e_columns", "beams": "e_beams", "rho": "rho"}
+    model = ar.read_model(f"{script}:build", groups=groups)
+    assert model.groups["columns"].value == 3.0e10
+    assert all(group.linear for group in model.groups.values())
+    rng = np.random.default_rng(4)
+    sets = [dict(zip(groups, each, strict=True)) for each in rng.uniform(0.5, 2.0, (SETS, 3))]
+    values = [
+        {"e_columns": 3e10 * s["columns"], "e_beams": 2.5e10 * s["beams"], "rho": 225 * s["rho"]}
+        for s in sets
+    ]
+    nominal, *others = own_hz({}, *values)
+    np.testing.assert_allclose(model.modes(9).freq_hz, nominal, rtol=1e-9)
+    for s, own in zip(sets, others, strict=True):
+        np.testing.assert_allclose(model.with_group_factors(s).modes(9).freq_hz, own, rtol=1e-8)
+    # The driven point of the upper floor, held: its frequencies are the antiresonances.
+    held = own_hz({"held": 1})[0][:6]
+    dips = model.antiresonances("1003:X", "1003:X", f_max_hz=held[-1] * 1.001)
+    assert all(np.min(np.abs(np.asarray(held) / hz - 1.0)) < 1e-6 for hz in dips)
+    assert model.dof("2000:uz") >= 0  # a node on a rigid link may have a sensor
+
+
+@needs_opensees
+def test_elements_and_polynomials_of_opensees(frame):
+    script, own_hz = frame
+    elements = {f"story {k}": [10 * k + c for c in range(1, 5)] for k in (1, 2, 3)}
+    model = ar.read_model(script, groups=elements)
+    assert [model.element_label(i) for i in model.default_elements] == list(elements)
+    assert model.groups["story 2"].mass_powers == ((1, 1),)
+    three = model.with_parameters(ar.stiffness_factor(list(elements), bounds=(0.1, 2.0)), [1.3] * 3)
+    np.testing.assert_allclose(three.modes(9).freq_hz, own_hz({"e_columns": 1.3 * 3.0e10})[0], rtol=1e-9)
+    deep = ar.read_model(f"{script}:build", groups=["depth"])
+    assert sorted(power for _, power in deep.groups["depth"].stiffness_powers) == [1, 3]
+    for factor in (0.6, 0.85, 1.4):
+        own = own_hz({"depth": 0.3 * factor})[0]
+        np.testing.assert_allclose(
+            deep.with_group_factors({"depth": factor}).modes(9).freq_hz, own, rtol=1e-6
+        )
+    refused("the model has no element 77", ar.read_model, script, groups={"a": [77]})
+    refused("has no argument 'e'", ar.read_model, f"{script}:build", groups="e")
+    refused('Name the function: "frame.py:build"', ar.read_model, script, groups="depth")
+    refused("no function 'made'", ar.read_model, f"{script}:made", groups="depth")
