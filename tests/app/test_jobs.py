@@ -278,3 +278,33 @@ def test_a_new_run_replaces_the_pictures_of_the_one_before_and_nothing_else(tmp_
     (results / ".result.npz.4711.tmp").write_bytes(b"half of a killed run")
     run(tmp_path, DAMAGE)
     assert {path.name for path in results.rglob("*")} == FILES | {"notes.txt", "photo.png", "pictures"}
+
+
+def test_modes_are_identified_saved_read_back_fitted_or_compared(tmp_path, capsys):
+    case = ar.cases.chain8(perturbation=0.05, rng=3)
+    record = case.experiment(noise=0.01, duration_s=128.0, rng=1)
+    ar.write_npz(tmp_path / "record.npz", ar.Recording(record.responses, record.fs_hz))
+    call = ["identify", str(tmp_path / "record.npz"), "--band", "15", "130", "--modes"]
+    assert cli.main([*call, "--out", str(tmp_path / "modes.json"), "--json"]) == 0
+    shown = json.loads(capsys.readouterr().out)
+    found = ar.ModalSet.load(tmp_path / "modes.json")
+    assert [row["freq_hz"] for row in shown["modes"]] == found.freq_hz.tolist()
+    assert cli.main([*call, "--drop", "3=31"]) == 2
+    write_measured(tmp_path, level=0, perturbation=0.05)
+    quick = UPDATE.replace("seed = 1", "seed = 1\nmax_evaluations = 3000")
+    section = '[measured]\nmodes = "modes.json"\ndofs = [0, 1, 2, 3, 4, 5, 6, false]\n\n'
+    data = '[data]\nfile = "measured.json"\n\n'
+    fitted = run(tmp_path, quick.replace(data, section + '[updating]\nobjective = "modal"\n\n'))
+    assert [row["after_mode"] for row in fitted["modes"]] == [1, 2, 3, 4, 5, 6, 7]
+    assert fitted["largest_after_percent"] < 0.02 < 0.5 < fitted["largest_before_percent"]
+    assert set(fitted["inputs"]) == {"job.toml", "modes.json"}
+    kept = ar.ModalSet.load(tmp_path / "job_results" / "modes.json")
+    assert kept.dofs == tuple(range(7))
+    assert kept.shapes.tobytes() == found.shapes[:, :7].tobytes()
+    beside = run(tmp_path, quick.replace(data, data + section), name="both.toml")
+    assert len(beside["antiresonances"]) == 28
+    assert max(abs(row["after_hz"] / row["measured_hz"] - 1.0) for row in beside["modes"]) < 0.05
+    assert cli.main(["report", str(tmp_path / "both_results")]) == 0
+    page = (tmp_path / "both_results" / "report.html").read_text()
+    assert "Measured modes, which were not fitted" in page
+    assert "paired with mode" in page

@@ -367,3 +367,23 @@ def test_ctrl_c_keeps_what_is_there():
 )
 def test_wrong_arguments_are_refused(argument, given, count):
     assert_refused(argument, ar.update_ensemble, given, optimizer=SHORT, rng=0, count=count)
+
+
+def test_modes_are_paired_by_number_and_a_saved_set_is_the_same(tmp_path):
+    case = ar.cases.chain8(perturbation=0.05, rng=3)
+    modes = case.exact_modes()
+    given = ar.ModalSet(
+        modes.freq_hz[[0, 2]], 1j * modes.shapes[[0, 2]], modes.dofs, [0.01, 0.02], std_hz=[0.1, 0.0]
+    )
+    result = ar.update(case.updating_problem(), rng=0, optimizer=ar.IslandGA(max_evaluations=2000))
+    table = result.modes_beside(given)
+    assert table.before_mode.tolist() == table.after_mode.tolist() == [1, 3]  # 0 is the rigid body
+    assert [line.split()[2] for line in str(table).splitlines()[2:4]] == ["1", "3"]
+    assert table.after_mac.min() > 0.999
+    given.save(tmp_path / "modes.json")
+    read = ar.ModalSet.load(tmp_path / "modes.json")
+    for name in ("freq_hz", "shapes", "damping_ratio", "std_hz"):
+        assert getattr(read, name).tobytes() == getattr(given, name).tobytes()
+    (tmp_path / "modes.json").write_text((tmp_path / "modes.json").read_text().replace("freq_hz", "hz"))
+    with pytest.raises(ar.InvalidInputError, match="damaged"):
+        ar.ModalSet.load(tmp_path / "modes.json")

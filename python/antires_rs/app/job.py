@@ -150,14 +150,15 @@ class Job:
             for place, row in rows.items():
                 self._check(SECTIONS[name], place, row)
         for name in ("data",) if "series" in raw else ("data", "model"):
-            if name not in tables:
+            modal = name == "data" and "modes" in raw.get("measured", ())
+            if name not in tables and not modal:
                 self.reject((), f"no section [{name}]", f"one [{name}]", SECTIONS[name].help)
-        self.data = list(tables["data"].values())
+        self.data = list(tables.get("data", {}).values())
         self.parameters = list(tables.get("parameters", {}).values())
         self.sections = {name: next(iter(tables.get(name, {}).values()), {}) for name in SECTIONS}
         self.task = self._task(raw)
         #: Place of each [data]: with one table ("data",), else ("data", i).
-        self.data_places = list(tables["data"])
+        self.data_places = list(tables.get("data", {}))
 
     def _owner(self, name: str) -> str:
         """Where a key belongs, if there is one of that name."""

@@ -181,6 +181,12 @@ delimiter (text of csv folder): What stands between columns.
 decimal (text of csv folder): Decimal sign.
 partial (switch of uff csv tdms lvm folder) = false: Whether to read what is whole of a file that was cut.
 
+[measured]: Measured modes: what is fitted if there is no [data], else compared beside its antiresonances.
+modes (texts): The .json of 'antires identify --modes', or of ModalSet.save; a file for each setup of
+    sensors. Relative to this job file.
+dofs (dofs): Dof of the model for each column of the shapes: a list in their order, or name = dof; false
+    leaves a column out.
+
 [series]: Many tests of one structure: [data] names a folder, or a pattern such as "records/*.npz".
 conditions (text): A CSV or Parquet file with what was measured beside: a row a test, in their order, or with
     their names in a column "name"; a column "time" dates them.
@@ -242,6 +248,7 @@ pivot (required whole of turned): The node about which the elements turn, or tha
 axis (numbers of angle) = [0, 0, 1]: The axis, in space.
 
 [updating]: The objective of the updating.
+objective (text): "antiresonance", of [data], or "modal", the modes of [measured]; what was measured tells it.
 misfit (text) = "absolute": "absolute" (a few wrong values do not move it), "squared" or "largest".
 weights (text): "std": what is known badly counts less.
 
@@ -293,8 +300,8 @@ SECTIONS = _sections(  #: In the order of a job file.
 )
 DATA, IDENTIFICATION, PARAMETERS = (SECTIONS[name] for name in ("data", "identification", "parameters"))
 TASKS = {  #: What a job of each task may hold, in the order in which ``antires init`` writes it.
-    "damage": ("data", "model", "damage", "identification", "search", "output"),
-    "update": ("data", "model", "parameters", "updating", "identification", "search", "output"),
+    "damage": ("data", "measured", "model", "damage", "identification", "search", "output"),
+    "update": ("data", "measured", "model", "parameters", "updating", "identification", "search", "output"),
     "series": ("data", "series", "identification", "output"),
 }
 #: What tells the task of a job.

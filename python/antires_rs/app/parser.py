@@ -187,7 +187,8 @@ identify (studies.identify): antiresonances of a measurement
         <measurement>
         --drop DOF=HZ ...: leave a value out<edit>
         --add DOF=HZ ...: add a value<edit>
-        --out FILE.json: save the antiresonances, for a job
+        --modes: resonances and mode shapes instead, for [measured] of a job
+        --out FILE.json: save the antiresonances, or modes, for a job
         --pictures DIR: draw the stabilization diagrams into a folder
         --json: print JSON instead of the table
 look (look.look): a page to look at a measurement, to add and drop values

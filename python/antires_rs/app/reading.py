@@ -6,6 +6,7 @@ import argparse
 import re
 from ast import literal_eval
 from collections.abc import Callable, Container, Mapping
+from inspect import signature
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -14,6 +15,7 @@ from ..damage.options import ONE_STATE, TWO_STATES, options_with
 from ..exceptions import InvalidInputError, reject
 from ..identification.identify import Hit, identify_antiresonances, identify_roving
 from ..identification.minors import MinorResponse, minors_of_curves
+from ..identification.modes import identify_modes
 from ..identification.options import sorted_out
 from ..io.channels import renamed
 from ..io.common import Signal
@@ -21,6 +23,7 @@ from ..io.own_format import relabelled
 from ..io.registry import CONVERT, READERS
 from ..io.uff import as_point, force_of, label_of
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.modal_set import ModalSet
 from ..models.structural_model import StructuralModel
 from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.repeats import one_source
@@ -101,6 +104,7 @@ def _is_point(name: str) -> bool:
 # -- One [data]: the files of a test, and what is identified from them
 
 OPTIONS: dict[str, KeyPath] = {key.name: ("identification", key.name) for key in IDENTIFICATION.keys}
+_OF_MODES = [name for name in OPTIONS if name in signature(identify_modes).parameters]
 
 
 class Measurement:
@@ -153,6 +157,8 @@ class Measurement:
             curves = len(forces) > 1 and isinstance(signals[0], FrequencyResponse)
             self.signal = minors_of_curves(signals, len(forces)) if curves else one_source(signals)
         job.check_data(place, self.table, self.signal)
+        if "excitation" not in self.table:  # modes do not ask for it
+            return
         forces = [self._acts_at(one) for one in places_of(self.table["excitation"], known)]
         self.force = forces[0] if len(forces) == 1 else forces
 
@@ -166,6 +172,21 @@ class Measurement:
                 remedy = "Write the dof at which the force acts; its channel may still be left out."
                 self.job.reject(at, f"{shown(force)}, which dofs leaves out", "a dof of the model", remedy)
         return self._of_model(at, self._find(at, force))
+
+    def modes(self) -> ModalSet:
+        """The resonances and mode shapes of the signal."""
+        for key in self.job.sections["identification"]:
+            if key not in _OF_MODES:
+                place: KeyPath = ("identification", key)
+                got, wanted = f"{key!r} for modes", f"{' or '.join(_OF_MODES)} alone"
+                raise InvalidInputError(self.job.where(place), got, wanted, "Leave it out.")
+        if self.signal is None:
+            wanted = "a measurement to be identified"
+            reject("--modes", "it beside antiresonances", wanted, "Name the file of the measurement.")
+        say(f"identifying the modes of {len(self.signal.dofs)} responses")
+        with self.job.blame(self.place, {"source": self.places[0], **OPTIONS}):
+            options = self.job.sections["identification"]
+            return identify_modes(self.signal, band_hz=self.table["band_hz"], **options)
 
     def identified(self) -> Measurement:
         """The same, with its antiresonances, edited as the table says."""
@@ -278,8 +299,8 @@ def kind_of(job: Job, place: KeyPath, table: Mapping[str, Any], file: Path) -> s
     return kind or job.unknown_format(place, table, file)
 
 
-def measured_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
-    """Read and identify every [data] of a job."""
+def read_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
+    """Read every [data] of a job."""
     measured = []
     for place, table in zip(job.data_places, job.data, strict=True):
         file = job.file(table["file"])
@@ -290,12 +311,43 @@ def measured_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
         for at, name in _listed(table.get("repeats", []), (*place, "repeats")):
             known = {path.resolve() for _, path in files}  # the first is not read twice
             files += [(at, path) for path in job.files(at, name) if path.resolve() not in known]
-        measured.append(Measurement(job, place, table, model, files).identified())
+        measured.append(Measurement(job, place, table, model, files))
+    return measured
+
+
+def measured_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
+    """Read and identify every [data] of a job."""
+    measured = [each.identified() for each in read_of(job, model)]
     if job.sections["identification"] and all(each.signal is None for each in measured):
         got = "options beside files that hold antiresonances already"
         wanted = "a measurement to be identified"
         job.reject(("identification",), got, wanted, "Remove the section, or name the measurement.")
     return measured
+
+
+# -- Measured modes of a job: [measured]
+
+
+def modes_of(job: Job, model: StructuralModel) -> list[ModalSet]:
+    """The sets of [measured], at dofs of the model."""
+    find, sets, at_dofs = dof_finder(job, model), [], ("measured", "dofs")
+    table = job.sections["measured"]
+    given: Any = table.get("dofs", {})
+    for at, name in _listed(table.get("modes", []), ("measured", "modes")):
+        file = job.existing(at, name)
+        with job.blame(at, {"path": at}):
+            found = ModalSet.load(file)
+        if isinstance(given, list) and len(given) != len(found.dofs):
+            wanted = f"{len(found.dofs)}, one for each of {some(map(repr, found.dofs), _NAMED)}"
+            job.reject(at_dofs, f"{len(given)} dofs", wanted, "Or a table name = dof.")
+        new = given if isinstance(given, list) else [given.get(str(dof), dof) for dof in found.dofs]
+        kept = [i for i, dof in enumerate(new) if dof is not False]
+        if not kept:
+            job.reject(at_dofs, "no column of the shapes left", "some of them", "Leave fewer of them out.")
+        with job.blame(at_dofs, {"dofs": at_dofs, "measured dof": at_dofs}):
+            dofs = [model._dof("measured dof", find(at_dofs, new[i])) for i in kept]
+            sets.append(found.at_dofs(kept, dofs))
+    return sets
 
 
 # -- The intact structure of a job: ``baseline`` of [damage], read and identified as [data] is
@@ -307,7 +359,13 @@ _SEARCH = ("seed", "workers")  # keys of [search] that count with a baseline
 def check_options(job: Job) -> None:
     """Refuse keys that would have no effect, with a baseline or without one."""
     damage, search = job.sections["damage"], job.sections["search"]
+    if job.data and job.sections["updating"].get("objective") == "modal":
+        wanted = "modes alone: [measured] without [data]"
+        job.reject(("updating", "objective"), '"modal" beside [data]', wanted, "Remove [data], or this key.")
     one_state, two_states = options_with(ONE_STATE), ("prior", *options_with(TWO_STATES))
+    if "baseline" in damage and not job.data:
+        wanted = "a [data] with antiresonances"
+        job.reject(_KEY, "it beside [measured] alone", wanted, "Leave it out: modes have none.")
     if "baseline" in damage:
         wanted, remedy = "it without a baseline", "Remove it: probabilities replace prices and search."
         wrong = [("damage", name) for name in one_state if name in damage]
@@ -370,6 +428,7 @@ class Call(Job):
     def __init__(
         self, args: argparse.Namespace, *, band_needed: bool = True, place: Any = None, roved: bool = False
     ) -> None:
+        self._modes = getattr(args, "modes", False)
         self.path = Path("arguments")
         self._band_needed, self._roved = band_needed, roved
         own = [key.name for key in DATA.keys if key.flag] + ([] if roved else list(EDITS))
@@ -391,7 +450,8 @@ class Call(Job):
         if "excitation" not in table and "roving" in table:
             with self.blame(_PLACE):
                 table["excitation"] = label_of(as_point("roving", table["roving"]))
-        if not {"excitation", "reference"} & table.keys() and kind_of(self, _PLACE, table, files[0]) == "uff":
+        stated = {"excitation", "reference"} & table.keys()
+        if not (stated or self._modes) and kind_of(self, _PLACE, table, files[0]) == "uff":
             with self.blame(_PLACE):
                 force = force_of(files[0])
             if force is not None:
@@ -412,7 +472,7 @@ class Call(Job):
         if signal is None:
             return
         low, high = covered_hz(signal)
-        if "excitation" not in table:
+        if "excitation" not in table and not self._modes:
             wanted = "--excitation DOF, where the force acts"
             reject(
                 "--excitation",
@@ -425,7 +485,12 @@ class Call(Job):
             reject("--band", "nothing", "--band LOW HIGH, in Hz, where the curves are clean", remedy)
         named = table.get("dofs", {})
         channels = signal.columns[0].dofs if isinstance(signal, MinorResponse) else signal.dofs
-        for force in () if self._roved else places_of(table["excitation"], {*named, *channels}):
+        asked = (
+            ()
+            if self._roved or "excitation" not in table
+            else places_of(table["excitation"], {*named, *channels})
+        )
+        for force in asked:
             if force in named or force in channels:
                 continue
             # Antiresonances do not depend on that name: a slip of the pen would pass in silence.
@@ -486,6 +551,14 @@ def identified(args: argparse.Namespace) -> AntiresonanceSet:
             joined = identify_roving(hits, args.roving, args.band_hz, say=say, **options)
         return edited(call, _PLACE, {name: getattr(args, name) or () for name in EDITS}, joined)
     return Call(args).read(args.files).identified().found
+
+
+def modes_in(args: argparse.Namespace) -> ModalSet:
+    """The modes of the files of a command."""
+    for name in ("drop", "add", "roving"):
+        if getattr(args, name) is not None:
+            reject(f"--{name}", "it beside --modes", "it for antiresonances", "Leave it out.")
+    return Call(args).read(args.files).modes()
 
 
 def several_hits(args: argparse.Namespace) -> bool:

@@ -25,6 +25,7 @@ from ..figures import report_parts as parts
 from ..identification.stabilization import StabilizationDiagram
 from ..io.archive import Store, read_store, versions, write_store
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.modal_set import ModalSet
 from ..measured.response_table import ResponseTable
 from ..signals.averaging import choose_nperseg
 from ..signals.frequency_response import FrequencyResponse
@@ -34,12 +35,12 @@ from ..support.files import write_atomically
 from ..support.messages import warn
 from ..updating.problem import UpdatingProblem
 from ..updating.result import UpdateResult
-from ..updating.targets import FrequencyTable
+from ..updating.targets import FrequencyTable, ModalTable
 from ..updating.update import update
 from .arguments import damage_search, model_of, parameters_of, search_of, term_files
 from .command import hint, say, show
 from .job import Job
-from .reading import Measurement, baseline_of, check_options, measured_of
+from .reading import Measurement, baseline_of, check_options, measured_of, modes_of
 
 # -- The folder of a run: what is in it, what was left by one that was killed
 
@@ -108,7 +109,9 @@ class RunFolder:
         return Path(os.path.normpath(self.folder / str(self.read_record().get("job", ""))))
 
 
-_PICTURE = re.compile(r"(differences|convergence|damage|hypotheses|model|response|stabilization_.*)\.png")
+_PICTURE = re.compile(
+    r"(differences|modes|convergence|damage|hypotheses|model|response|stabilization_.*)\.png"
+)
 
 
 def picture_name(name: str) -> str:
@@ -198,6 +201,8 @@ def _made(data: dict[str, Any]) -> StabilizationDiagram:
 
 def _response(job: Job, measured: list[Measurement]) -> FrequencyResponse | None:
     """Transmissibilities over the first response that has antiresonances; measured FRFs themselves."""
+    if not measured:
+        return None
     signal, found = measured[0].signal, measured[0].found
     if isinstance(signal, Recording):
         dof = next((dof for dof, values in found.items() if values.size), None)
@@ -264,7 +269,12 @@ def rows_of(**columns: Any) -> list[dict[str, Any]]:
 
 
 def summary_of(
-    job: Job, result: UpdateResult, record: dict[str, Any], measured: list[Measurement], seconds: float
+    job: Job,
+    result: UpdateResult,
+    record: dict[str, Any],
+    measured: list[Measurement],
+    beside: ModalTable | None,
+    seconds: float,
 ) -> dict[str, Any]:
     """All numbers of a run, and what repeats it; after Ctrl-C null for those that take seconds."""
     table = result.table
@@ -275,6 +285,10 @@ def summary_of(
         columns = {name: map(int, getattr(table, name)) for name in ("excitation", "dof")}
         hz = (f"{name}_hz" for name in ("measured", "before", "after"))
         frequencies = rows_of(**columns, **{name: map(number, getattr(table, name)) for name in hz})
+    modes, names = (table if isinstance(table, ModalTable) else beside), ("measured", "before", "after")
+    of_modes = {f"{state}_hz": getattr(modes, f"{state}_hz") for state in names} if modes else {}
+    for state, partner in zip(names[1:], modes.partners, strict=True) if modes else ():
+        of_modes |= {f"{state}_mac": getattr(modes, f"{state}_mac"), f"{state}_mode": partner}
     how = {"status": "status", "message": "message", "finished": "success", "evaluations": "nfev"}
     how |= {"linearizations": "njev", "generations": "nit", "exchanges": "migrations", "seed": "seed"}
     return {
@@ -290,6 +304,7 @@ def summary_of(
         "largest_before_percent": number(table.largest_before_percent),
         "largest_after_percent": number(table.largest_after_percent),
         "antiresonances": frequencies,
+        "modes": rows_of(**{name: map(number, column) for name, column in of_modes.items()}),
         "warnings": [  # Those of the data check have been raised as one.
             *(text for check in checks for text in check.warnings),
             *(text for text in record["warnings"] if not text.startswith("data check: ")),
@@ -372,19 +387,21 @@ def run(job: Job, args: argparse.Namespace, *, resume: bool = False, fresh: bool
     folder = RunFolder.of(job)
     with heard() as texts:
         result, record, measured, evidence = _searched(job, folder, args.workers, resume, fresh, texts)
+        beside = beside_of(folder, result, record)
         seconds = round(time.perf_counter() - begun, 3)
-        summary = summary_of(job, result, record, measured, seconds)
+        summary = summary_of(job, result, record, measured, beside, seconds)
         folder.forget_results()
         result.save(folder.result)
         write_json(folder.summary, summary)
         write_json(folder.record, record | {"state": result.status})
         note = None
         if result.status != "interrupted":
-            note = draw(job, result, folder, evidence)
+            note = draw(job, result, folder, evidence, beside)
             if not out_of_time(result):
                 # The last step: as long as it waits, resume makes up for whatever is missing.
                 folder.checkpoint.unlink(missing_ok=True)
-    show(args.json, summary, f"{text_of(result)}\n\nIn {near(folder.folder)}: {folder.contents}")
+    also = "" if beside is None else f"\n\nMeasured modes, which were not fitted:\n{beside}"
+    show(args.json, summary, f"{text_of(result)}{also}\n\nIn {near(folder.folder)}: {folder.contents}")
     if note is not None:
         hint(f"warning: {note}")
     if result.status == "interrupted":
@@ -408,10 +425,11 @@ def _searched(
     changing = parameters_of(job, model)
     measured = measured_of(job, model)
     intact = baseline_of(job, model)
+    modes = modes_of(job, model)
     inputs = {_relative(file, job.path.parent): _sha256(file) for file in _inputs(job, measured + intact)}
     if resume:
         _check_inputs(job, folder, inputs)
-    sets = _sets(measured, folder, "antiresonances", resume)
+    sets: list[Any] = _sets(measured, folder, "antiresonances", resume) or modes
     before = _sets(intact, folder, "baseline", resume)
     found: Any = sets[0] if len(sets) == 1 else sets
     search: Callable[..., UpdateResult]
@@ -419,7 +437,8 @@ def _searched(
         search = damage_search(job, model, found, before)
     else:
         parameters, places = changing
-        elsewhere: dict[str, Any] = {"measured": ("data",), "parameters": places, "sections": ("parameters",)}
+        of = ("data",) if job.data else ("measured",)
+        elsewhere: dict[str, Any] = {"measured": of, "parameters": places, "sections": ("parameters",)}
         with job.blame(("updating",), elsewhere):
             problem = UpdatingProblem(model, parameters, found, **job.sections["updating"])
         search = partial(update, problem)
@@ -428,10 +447,11 @@ def _searched(
         folder.record.unlink(missing_ok=True)
     if fresh:
         folder.checkpoint.unlink(missing_ok=True)
-    for what, own, each in (("antiresonances", measured, sets), ("baseline", intact, before)):
+    read = {file.resolve() for file in _inputs(job, measured + intact)}
+    fitted = [("antiresonances", sets)] if job.data else []
+    for what, each in (*fitted, ("baseline", before), ("modes", modes)):
         for i, one in enumerate(each):
-            file = folder.numbered(what, i)
-            if file.resolve() != own[i].file.resolve():  # it was read from there
+            if (file := folder.numbered(what, i)).resolve() not in read:
                 one.save(file)
     evidence = Evidence(tuple(each.found.diagrams for each in measured), _response(job, measured))
     if evidence:
@@ -445,7 +465,8 @@ def _searched(
         "inputs": inputs,
         "state": "searching",
         "title": job.sections["output"].get("title"),
-        "measurement": measurement_of(measured),
+        "measurement": measurement_of(measured) or [{"File": [file.name]} for file in _modal_files(job)],
+        "modes": [folder.numbered("modes", i).name for i in range(len(modes))],
         "baseline": [f | parts.of_set(b, model) for f, b in zip(measurement_of(intact), before, strict=True)],
         "warnings": texts,
         "versions": versions(),
@@ -501,7 +522,20 @@ def _inputs(job: Job, measured: list[Measurement]) -> list[Path]:
     signals: list[Path] = []
     for path in (path for each in measured for path in (each.file, *each.repeats)):
         signals += filter(Path.is_file, [path] if path.is_file() else sorted(path.iterdir()))
-    return [job.path, *signals, *named, *terms]
+    return [job.path, *signals, *named, *terms, *_modal_files(job)]
+
+
+def _modal_files(job: Job) -> list[Path]:
+    names = job.sections["measured"].get("modes", [])
+    return [job.file(name) for name in ([names] if isinstance(names, str) else names)]
+
+
+def beside_of(folder: RunFolder, result: UpdateResult, record: dict[str, Any]) -> ModalTable | None:
+    """The modes that a run kept, beside those of the model, where they were not fitted."""
+    files = [folder.folder / Path(name).name for name in record.get("modes", ())]
+    if result.problem.objective == "modal" or not files:
+        return None
+    return result.modes_beside([ModalSet.load(file) for file in files])
 
 
 def _relative(file: Path, folder: Path) -> str:
@@ -525,11 +559,13 @@ def out_of_time(result: UpdateResult) -> bool:
 # -- Report and pictures of a run
 
 
-def draw(job: Job, result: UpdateResult, folder: RunFolder, evidence: Evidence) -> str | None:
+def draw(
+    job: Job, result: UpdateResult, folder: RunFolder, evidence: Evidence, beside: ModalTable | None
+) -> str | None:
     """Write what the job asks for; what is left out for want of a package is returned as a note."""
     output = job.sections["output"]
     try:
-        drawn = drawings(result, evidence)
+        drawn = drawings(result, evidence, beside)
         if output.get("report", True):
             say("writing the report")
             report(result, folder.report, folder, drawn, output.get("title"))
@@ -542,12 +578,13 @@ def draw(job: Job, result: UpdateResult, folder: RunFolder, evidence: Evidence) 
     return None
 
 
-def drawings(result: UpdateResult, evidence: Evidence) -> parts.Drawings:
+def drawings(result: UpdateResult, evidence: Evidence, beside: ModalTable | None) -> parts.Drawings:
     """Pictures for the report and the folder, each drawn once."""
-    forces, shown = [each.excitation for each in result.problem.measured], None
+    shown = None
     if any(evidence.diagrams):
+        forces = [each.excitation for each in result.problem.measured]
         shown = parts.named_diagrams(evidence.diagrams, forces, result.problem.model)
-    return parts.drawings_of(result, evidence.response, diagrams=shown)
+    return parts.drawings_of(result, evidence.response, diagrams=shown, beside=beside)
 
 
 def report(

@@ -7,12 +7,15 @@ import os
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..exceptions import reject
 from ..figures.canvas import picture
 from ..figures.report_parts import Drawings
 from ..io.registry import CONVERT
 from ..io.uff import force_of
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.modal_set import ModalSet
 from ..support.files import write_atomically
 from ..support.messages import explain as entries
 from ..updating.result import UpdateResult
@@ -22,7 +25,7 @@ from .command import arguments, existing, hint, new_file, say, show
 from .job import read_job
 from .keys import HEADINGS, SIGNAL_ENDINGS, UNSET, format_of, template
 from .parser import printable
-from .reading import check_files, identified, measured_of, read_signal, refuse_beside
+from .reading import check_files, identified, measured_of, modes_in, read_of, read_signal, refuse_beside
 from .run import RunFolder
 
 
@@ -35,24 +38,29 @@ def identify(args: argparse.Namespace) -> int:
     if file.suffix == ".toml":
         refuse_beside(args, "a job", "Put it under [data] or [identification] of the job.", "drop", "add")
         job = read_job(file)
-        found = [each.found for each in measured_of(job, model_of(job))]
+        model = model_of(job)
+        if args.modes:
+            found: list[Any] = [each.modes() for each in read_of(job, model)]
+        else:
+            found = [each.found for each in measured_of(job, model)]
     else:
         if format_of(file.name, args.format) == "antiresonances":
             refuse_beside(args, "antiresonances that are identified already", "Leave it out.")
-        found = [identified(args)]
+        found = [modes_in(args) if args.modes else identified(args)]
     for i, each in enumerate(found):
         if out is not None:
             each.save(out.with_stem(f"{out.stem}_{i}") if i else out)
         if args.pictures is not None:
             _draw_diagrams(each, args.pictures, f"{i}_" if i else "")
-    numbers = [_numbers(each) for each in found]
+    numbers = [(_modes if args.modes else _numbers)(each) for each in found]
     show(args.json, numbers if len(found) > 1 else numbers[0], "\n".join(map(str, found)))
     return 0
 
 
-def _draw_diagrams(found: AntiresonanceSet, folder: Path, prefix: str) -> None:
+def _draw_diagrams(found: AntiresonanceSet | ModalSet, folder: Path, prefix: str) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    for dof, diagram in found.diagrams.items():
+    diagrams = {"modes": found.diagram} if isinstance(found, ModalSet) else found.diagrams
+    for dof, diagram in diagrams.items():
         name = f"dof {dof}" if isinstance(dof, int) else str(dof)
         file = folder / runs.picture_name(f"{prefix}stabilization_{name}")
         write_atomically(file, picture(lambda ax, d=diagram: d.plot(ax=ax), (9.0, 5.0)))
@@ -66,6 +74,14 @@ def _numbers(found: AntiresonanceSet) -> dict[str, Any]:
         rows.append({"dof": dof, **{name: list(map(runs.number, column)) for name, column in columns}})
     checked = None if found.data_check is None else found.data_check.warnings
     return {"excitation": found.excitation, "antiresonances": rows, "data_check": checked}
+
+
+def _modes(found: ModalSet) -> dict[str, Any]:
+    """Modes as JSON, the shapes by their real and imaginary parts."""
+    parts = {"real": np.real(found.shapes).tolist(), "imaginary": np.imag(found.shapes).tolist()}
+    damping: Any = found.damping_ratio
+    rows = runs.rows_of(freq_hz=found.freq_hz.tolist(), damping_ratio=damping.tolist(), **parts)
+    return {"dofs": list(found.dofs), "modes": rows}
 
 
 def report(args: argparse.Namespace) -> int:
@@ -90,7 +106,8 @@ def write_report_of(file: Path, out: Path, title: str | None = None) -> Drawings
         result = UpdateResult.load(file)
     say("writing the report")
     folder = RunFolder(file.parent)
-    drawn = runs.drawings(result, runs.evidence_in(folder, result))
+    beside = runs.beside_of(folder, result, folder.read_record())
+    drawn = runs.drawings(result, runs.evidence_in(folder, result), beside)
     runs.report(result, out, folder, drawn, title)
     return drawn
 

@@ -129,9 +129,13 @@ class _Drawn:
             self.ax.axvspan(low, high, label=mark.label if nth == 0 else f"_{mark.label}", **look)
 
     def words(self, mark: marks.Words, zorder: float) -> None:
+        from matplotlib.patheffects import withStroke
+
         way, across, along = marks.BESIDE[mark.where]
         look = {"fontsize": mark.size, "color": mark.colour, "ha": across, "va": along, "zorder": zorder}
         look |= {"fontstyle": "italic" if mark.slanted else "normal", "rotation": 90 if mark.turned else 0}
+        if mark.halo:
+            look["path_effects"] = [withStroke(linewidth=2.5, foreground="white")]
         for x, y, text in zip(mark.x, mark.y, mark.texts, strict=True):
             offset = (mark.away * way[0], mark.away * way[1])
             self.ax.annotate(text, (x, y), xytext=offset, textcoords="offset points", **look)
@@ -160,6 +164,21 @@ class _Drawn:
         look |= {"color": mark.colour, "ls": dash_of(mark.dash)}
         self.ax.plot(*whole, zorder=zorder, label=mark.label, **look)
 
+    def faces(self, mark: marks.Faces, zorder: float) -> None:
+        from matplotlib.cm import ScalarMappable
+        from matplotlib.collections import PolyCollection
+
+        edges = np.where((mark.widths >= 1.0)[:, None], mark.colours, 0.3)
+        look = {"linewidths": mark.widths, "edgecolors": edges, "capstyle": "round", "zorder": zorder}
+        smooth = bool(mark.widths.all())  # else gaps would show between faces without an outline
+        corners: Any = mark.corners  # as an array they are taken many times as fast
+        drawn = PolyCollection(corners, facecolors=mark.colours, antialiaseds=smooth, **look)
+        self.ax.add_collection(drawn)
+        self.ax.autoscale_view()
+        if mark.values is not None:
+            shades = ScalarMappable(cmap=_colour_map())
+            _scale(self.ax, shades, mark.values[np.isfinite(mark.values)], mark.scale)
+
     def arrows(self, mark: marks.Arrows, zorder: float) -> None:
         look = {"arrowstyle": "-|>", "color": mark.colour, "lw": mark.width, "shrinkA": 0, "shrinkB": 2}
         for tail, head in zip(mark.tails, mark.heads, strict=True):
@@ -170,7 +189,6 @@ class _Drawn:
 def _coloured(ax: Any, mark: marks.Paths, zorder: float) -> None:
     """Elements, each in the colour of its value, with the scale; thin where there is none."""
     from matplotlib.collections import LineCollection
-    from matplotlib.colors import LinearSegmentedColormap
 
     values = np.asarray(mark.values)
     known = np.isfinite(values)
@@ -180,18 +198,29 @@ def _coloured(ax: Any, mark: marks.Paths, zorder: float) -> None:
         ax.add_collection(LineCollection(rest, zorder=zorder, **look))
     # The largest last, so that it lies on top where elements meet.
     order = np.flatnonzero(known)[np.argsort(values[known], kind="stable")]
-    colours = LinearSegmentedColormap.from_list("loss", marks.SCALE)
-    lines = LineCollection([mark.paths[e] for e in order], zorder=zorder, linewidths=mark.width, cmap=colours)
+    look = {"linewidths": mark.width, "cmap": _colour_map()}
+    lines = LineCollection([mark.paths[e] for e in order], zorder=zorder, **look)
     lines.set_array(values[order])
     ax.add_collection(lines)
     ax.autoscale_view()
-    if not values[known].any():  # a scale from 0 to 0 would say nothing
-        lines.set_clim(0.0, 1.0)
-        nothing = "0 in every element" if known.any() else "none given"
-        ax.set_title(f"{mark.scale}: {nothing}", fontsize="medium")
+    _scale(ax, lines, values[known], mark.scale)
+
+
+def _colour_map() -> Any:
+    from matplotlib.colors import LinearSegmentedColormap
+
+    return LinearSegmentedColormap.from_list("loss", marks.SCALE)
+
+
+def _scale(ax: Any, drawn: Any, values: FloatArray, label: str) -> None:
+    """Limits of the colours of what was drawn, and the bar that tells them."""
+    if not values.any():  # a scale from 0 to 0 would say nothing
+        drawn.set_clim(0.0, 1.0)
+        nothing = "0 in every element" if values.size else "none given"
+        ax.set_title(f"{label}: {nothing}", fontsize="medium")
         return
-    lines.set_clim(min(0.0, float(values[known].min())), max(0.0, float(values[known].max())))
-    ax.figure.colorbar(lines, ax=ax, label=mark.scale, shrink=0.8)
+    drawn.set_clim(min(0.0, float(values.min())), max(0.0, float(values.max())))
+    ax.figure.colorbar(drawn, ax=ax, label=label, shrink=0.8)
 
 
 def width_pt(ax: Any) -> float:

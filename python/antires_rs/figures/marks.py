@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..support.checks import FloatArray
+from ..support.checks import FloatArray, IntArray
 
 #: Okabe and Ito's palette (2008), told apart by all common kinds of colour vision; yellow, too pale for lines
 #: on white, is left out.
@@ -23,6 +23,9 @@ INKS = COLOURS | {"grey": "#8C8C8C", "pale": "#BFBFBF"}  # names by which marks 
 #: Dash patterns to go with the colours: by name, or points drawn and left out.
 DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (5, 1, 1, 1, 1, 1), (1, 3), (8, 3))
 #: From nothing, which is to be quiet, to much; lightness falls evenly, so that it reads in grey as well.
+NOTHING = "#F1F1F1"  # paler than the first of the scale: what has no value
+#: Colours of parts side by side, as far apart in grey as they can be; those of arrows are left out.
+PARTS, MOST_NAMED = ("sky", "blue", "orange", "green", "purple"), 8
 SCALE = ("#DADADA", "#A9BFD6", "#5F8DBD", "#1F5A94", "#0B2C57", "#050B16")
 
 
@@ -140,6 +143,7 @@ class Words(Mark):
     colour: str = "black"
     turned: bool = False
     slanted: bool = False
+    halo: bool = False  # so that they are read on any colour
 
 
 @dataclass(frozen=True)
@@ -171,6 +175,75 @@ class Arrows(Mark):
     heads: FloatArray
     colour: str = "black"
     width: float = 1.6
+
+
+@dataclass(frozen=True)
+class Faces(Mark):
+    """Polygons (n, 4, 2), far ones first, each with its colour (n, 3), 0 to 1, and the width of its outline.
+
+    An outline wider than 1 point is that of a line, in its colour; none at all is not drawn. ``values``, of
+    parts, are those of the scale.
+    """
+
+    corners: FloatArray
+    colours: Any
+    widths: Any
+    values: FloatArray | None = None
+    scale: str = ""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A structure in space, to be seen from any side.
+
+    ``cells`` (f, 4) are rows of ``points`` (n, 3): a triangle has its last one twice, a line three times.
+    ``part`` (f,) says of which part each is, -1 of none; ``texts`` are of parts, to be read when pointed at,
+    and so are ``values``, NaN where there is none, which colour them; without values parts differ. ``arrows``
+    are in space, ``moves`` translations of the points by name.
+    """
+
+    points: FloatArray
+    cells: IntArray
+    part: IntArray
+    texts: Sequence[str]
+    values: FloatArray | None = None
+    scale: str = ""
+    arrows: Sequence[Arrows] = ()
+    moves: Mapping[str, FloatArray] = field(default_factory=dict)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Values at the ends of the scale."""
+        known = np.append(np.nan_to_num(self.values), 0.0) if self.values is not None else np.zeros(1)
+        low, high = float(known.min()), float(known.max())
+        return low, high if high > low else low + 1.0
+
+    @property
+    def colours(self) -> list[str]:
+        """Of each part, and last that of what belongs to none."""
+        if self.values is None:
+            shades = [COLOURS[name] for name in PARTS]
+            return [*(shades[i % len(shades)] for i in range(len(self.texts))), NOTHING]
+        stops = np.array([[int(one[i : i + 2], 16) for i in (1, 3, 5)] for one in SCALE], dtype=np.float64)
+        low, high = self.span
+        share = np.clip((np.nan_to_num(self.values) - low) / (high - low), 0.0, 1.0) * (len(SCALE) - 1)
+        mixed = [np.interp(share, np.arange(len(SCALE)), stops[:, k]).round().astype(int) for k in range(3)]
+        known = np.isfinite(self.values)
+        named = (f"#{r:02X}{g:02X}{b:02X}" for r, g, b in zip(*mixed, strict=True))
+        return [*(one if there else NOTHING for one, there in zip(named, known, strict=True)), NOTHING]
+
+    def named(self, points: FloatArray) -> list[tuple[str, FloatArray]]:
+        """Texts that stand in the picture with their places: of the largest values, or of few parts."""
+        if self.values is None:
+            shown = list(range(len(self.texts))) if 1 < len(self.texts) <= MOST_NAMED else []
+        else:
+            large = np.argsort(-np.nan_to_num(self.values), kind="stable")[:MOST_NAMED]
+            shown = [i for i in large.tolist() if self.values[i] > 0.0]
+        return [
+            (self.texts[i], points[self.cells[self.part == i]].mean(axis=(0, 1)))
+            for i in shown
+            if np.any(self.part == i)
+        ]
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from ..exceptions import reject
 from ..identification.stabilization import StabilizationDiagram
 from ..io.archive import versions
 from ..io.common import require
+from ..measured.modal_set import ModalSet
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.files import write_atomically
@@ -46,9 +47,12 @@ def write_report(
     origin: Mapping[str, str | Sequence[str]] | None = None,
     warnings: Sequence[str] | None = None,
     baseline: Sequence[Mapping[str, str | Sequence[str]]] | None = None,
+    modes: ModalSet | Sequence[ModalSet] | None = None,
     drawn: Drawings | None = None,
 ) -> Path:
     """Write a result with its tables, pictures and caveats into one HTML file below 3 MB.
+
+    ``modes`` are measured ones that were not fitted, to be compared beside the antiresonances.
 
     The file asks nothing of any network. Where bokeh is installed (``pip install "antires-rs[look]"``), its
     figures can be zoomed, hovered and their lines switched off; printed, without scripts, or without bokeh
@@ -70,7 +74,9 @@ def write_report(
         reject("response", "transmissibilities with measured modes", "None", remedy)
     measured = _measured(result, measurement)
     values = "resonances and mode shapes" if modal else "antiresonances"
-    drawn = parts.drawings_of(result, response, truth, diagrams) if drawn is None else drawn
+    if drawn is None:
+        beside = None if modes is None else result.modes_beside(modes)
+        drawn = parts.drawings_of(result, response, truth, diagrams, beside)
     shown, left_out = parts.fitting(drawn)
     if warnings is None:
         checks = [getattr(each, "data_check", None) for each in problem.measured]
@@ -84,7 +90,7 @@ def write_report(
         lead=_lead(result),
         warnings=list(warnings),
         result=result,
-        tables=parts.tables_of(result, truth),
+        tables=parts.tables_of(result, truth, drawn.beside),
         modal=modal,
         measured=measured,
         intact=[_lines(each) for each in baseline or ()],
@@ -125,7 +131,7 @@ def _lead(result: UpdateResult) -> str:
             span = f"{min(seen):.2g} to {max(seen):.2g} %, depending on the element."
             among += f" Smallest loss that nine of ten such tests would show: {span}"
         return f"{given}, compared with those of the intact structure; {among}"
-    before, after = parts.largest(result)
+    before, after = parts.largest(result.table)
     change = f"Largest {what} difference {before} without damage, {after} with the damage found."
     return f"{given}; {len(result.x)} candidate elements. {change}"
 

@@ -14,12 +14,12 @@ from hashlib import sha256
 from importlib.resources import files
 from importlib.util import find_spec
 from io import BytesIO
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
 from ..damage.assess import DamageResult
-from ..damage.hypotheses import Assessment, loss, span
+from ..damage.hypotheses import Assessment, loss, percent, span
 from ..identification.stabilization import StabilizationDiagram
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
@@ -30,13 +30,14 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording, parts_of
 from ..support.checks import FloatArray
 from ..updating.result import UpdateResult
-from ..updating.targets import ModalTable, signed
+from ..updating.targets import FrequencyTable, ModalTable, signed
 from . import responses
 from .canvas import picture
 from .damage import WORTH_A_ROW, losses, plot_damage, plot_hypotheses, probabilities, worth_a_row
 from .identification import stabilization_figure
 from .live_canvas import explored, item, script_files
-from .marks import Line
+from .marks import Line, Scene
+from .mesh import MOST_MODES, has_mesh, page_data, plot_mesh, scene, shapes_of
 from .responses import dof_name
 from .structure import chain, frame, plot_chain, plot_frame, seen_points
 from .updating import convergence, differences, plot_convergence, plot_differences
@@ -215,6 +216,11 @@ def packed(figure: Callable[[], Any]) -> str:
     return _packed(_NAMED.sub(rf"\g<1>{mark}\2", counted))
 
 
+def packed_scene(one: Scene) -> str:
+    """A scene as it stands in a page; it needs no library."""
+    return _packed(page_data(one))
+
+
 def _packed(text: str) -> str:
     # Without a time the same text is the same bytes.
     return b64encode(gzip.compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
@@ -232,15 +238,16 @@ def library() -> str:
 
 @cache
 def script() -> str:
-    """What unpacks the figures."""
-    return files(__package__).joinpath("assets", "live.js").read_text(encoding="utf-8")
+    """What draws scenes, and what unpacks them and the figures."""
+    assets = files(__package__).joinpath("assets")
+    return "".join(assets.joinpath(name).read_text(encoding="utf-8") for name in ("scene.js", "live.js"))
 
 
 def policy() -> str:
     """What a browser lets the page do: run these two scripts, and load nothing."""
-    texts = (script(), _drawer()) if find_spec("bokeh") else ()
+    texts = (script(), _drawer()) if find_spec("bokeh") else (script(),)
     digests = [b64encode(sha256(text.encode("utf-8")).digest()).decode("ascii") for text in texts]
-    own = " ".join(f"'sha256-{digest}'" for digest in digests) or "'none'"
+    own = " ".join(f"'sha256-{digest}'" for digest in digests)
     return (
         f"default-src 'none'; script-src {own}; style-src 'unsafe-inline'; "
         "img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'"
@@ -265,11 +272,12 @@ class Figure:
     caption: str
     alt: str
     explore: Callable[[], Any]
+    scene: Callable[[], Scene] | None = None  # what is turned instead
 
     @cached_property
     def live(self) -> str:
         """To be explored, packed; empty where nothing makes it."""
-        return packed(self.explore)
+        return packed(self.explore) if self.scene is None else packed_scene(self.scene())
 
     @cached_property
     def png(self) -> bytes:
@@ -293,6 +301,7 @@ class Drawings:
 
     figures: Mapping[str, Figure]
     diagrams: Mapping[Any, Figure]
+    beside: ModalTable | None = None  # measured modes that were not fitted
 
 
 def drawings_of(
@@ -300,6 +309,7 @@ def drawings_of(
     response: FrequencyResponse | None = None,
     truth: Mapping[int, float] | None = None,
     diagrams: Mapping[Any, StabilizationDiagram] | None = None,
+    beside: ModalTable | None = None,
 ) -> Drawings:
     """Figures of a result; ``diagrams`` are by default those that its measured sets carry."""
     problem, names, table, history = result.problem, states(result), result.table, result.history
@@ -307,14 +317,9 @@ def drawings_of(
     what = "resonance" if modal else "antiresonance"
     figures = _damage(result, truth) if isinstance(result, DamageResult) else {}
     figures |= _model(result)
-    most = " and ".join(map(" ".join, zip(largest(result), names, strict=True)))
-    figures["differences"] = Figure(
-        partial(plot_differences, table, names=names),
-        (9.5, 4.6),
-        f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
-        f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is {most}",
-        lambda: explored(differences(table, names), height=360, side_by_side=1),  # entries are long
-    )
+    figures["differences"] = _differences(table, names, what)
+    if beside is not None:
+        figures["modes"] = _differences(beside, names, "resonance")
     if response is not None:
         figures["response"] = _response(result, response, names)
     if history.cost.size:  # nothing is searched against a baseline
@@ -331,7 +336,18 @@ def drawings_of(
     elif diagrams is None:
         forces = [each.excitation for each in sets]
         diagrams = named_diagrams([each.diagrams for each in sets], forces, problem.model)
-    return Drawings(figures, {name: _diagram(name, one, modal) for name, one in diagrams.items()})
+    return Drawings(figures, {name: _diagram(name, one, modal) for name, one in diagrams.items()}, beside)
+
+
+def _differences(table: FrequencyTable | ModalTable, names: tuple[str, str], what: str) -> Figure:
+    most = " and ".join(map(" ".join, zip(largest(table), names, strict=True)))
+    return Figure(
+        partial(plot_differences, table, names=names),
+        (9.5, 4.6),
+        f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
+        f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is {most}",
+        lambda: explored(differences(table, names), height=360, side_by_side=1),  # entries are long
+    )
 
 
 def fitting(drawn: Drawings, room: int = MOST_BYTES) -> tuple[list[tuple[Figure, str]], int]:
@@ -379,7 +395,7 @@ def _damage(result: DamageResult, truth: Mapping[int, float] | None) -> dict[str
 
 
 def _model(result: UpdateResult) -> dict[str, Figure]:
-    """The model with its losses, sensors and force; none of matrices, which have no shape."""
+    """The model with its losses, sensors and force; none of matrices without a mesh, which have no shape."""
     model, seen = result.problem.model, result.problem.measured[0]
     loss, caption = None, "The model"
     if isinstance(result, DamageResult):
@@ -402,9 +418,29 @@ def _model(result: UpdateResult) -> dict[str, Figure]:
         alt = f"Drawing of a frame of {len(model.elements)} elements"
         draw = partial(plot_frame, model, loss, **at)
         panel = partial(frame, model, loss, **at, room_pt=np.array([WIDE_PT, 0.7 * height]))
+    elif has_mesh(model):
+        size, height, alt = (9.0, 6.0), 0, "Drawing of the mesh"
+        draw = panel = partial(plot_mesh, cast("Any", model), loss, **at)
     else:
         return {}
-    return {"model": Figure(draw, size, f"{caption}.", alt, lambda: explored(panel(), height=height))}
+    turned = partial(_turned, result, loss, at) if has_mesh(model) else None
+    return {"model": Figure(draw, size, f"{caption}.", alt, lambda: explored(panel(), height=height), turned)}
+
+
+def _turned(result: UpdateResult, loss: Mapping[int, float] | None, at: dict[str, Any]) -> Scene:
+    """The updated model to be turned, with its modes up to the highest measured value."""
+    says: dict[int, str] = {}
+    if isinstance(result, DamageResult):
+        chance, limits = (result.probability, result.interval) if result.has_baseline else ({}, {})
+        for e, beta in result.severity.items():
+            says[e] = f"{100 * beta:.1f} %"
+            if e in chance:
+                says[e] += (
+                    f"{f' ({_interval(*limits[e])})' if beta else ''}, probability {percent(chance[e])}"
+                )
+    # As many as are shown, beside six rigid bodies.
+    modes = result.model.modes(n_modes=min(MOST_MODES + 6, result.model.n_dof))
+    return scene(result.model, loss, at["sensors"], at["excitation"], at["label"], shapes_of(modes), says)
 
 
 def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
@@ -465,9 +501,9 @@ def states(result: UpdateResult) -> tuple[str, str]:
     return ("without damage", "with the damage found") if damage else ("before updating", "after updating")
 
 
-def largest(result: UpdateResult) -> list[str]:
+def largest(table: FrequencyTable | ModalTable) -> list[str]:
     """The largest differences before and after in words."""
-    both = (result.table.largest_before_percent, result.table.largest_after_percent)
+    both = (table.largest_before_percent, table.largest_after_percent)
     return [f"{percent:.2f} %" if np.isfinite(percent) else "no partner at all" for percent in both]
 
 
@@ -476,7 +512,7 @@ def answer_of(result: UpdateResult) -> list[str]:
     if isinstance(result, DamageResult):
         return list(result._headline())
     what = "resonance" if result.problem.objective == "modal" else "antiresonance"
-    return ["Largest {} difference: {} before, {} after.".format(what, *largest(result))]
+    return ["Largest {} difference: {} before, {} after.".format(what, *largest(result.table))]
 
 
 # -- The tables of a report, cell by cell
@@ -492,8 +528,10 @@ class Table(NamedTuple):
     note: str = ""
 
 
-def tables_of(result: UpdateResult, truth: Mapping[int, float] | None = None) -> dict[str, Table]:
-    """Hypotheses, where they were judged, values found, frequencies."""
+def tables_of(
+    result: UpdateResult, truth: Mapping[int, float] | None = None, beside: ModalTable | None = None
+) -> dict[str, Table]:
+    """Hypotheses, where they were judged, values found, frequencies, modes beside them."""
     tables: dict[str, Table] = {}
     judged = isinstance(result, DamageResult) and result.has_baseline
     if isinstance(result, DamageResult):
@@ -521,14 +559,22 @@ def tables_of(result: UpdateResult, truth: Mapping[int, float] | None = None) ->
             cells = (name, f"{nominal:.5g}", f"{value:#.5g}", _deviation(std), change, f"{low:g} to {high:g}")
             rows.append(dict(zip(heads, cells, strict=True)) | {"on_bound": name in result.at_bound})
         tables["found"] = Table("Parameters", heads, rows, "on_bound")
-    modal = result.problem.objective == "modal"
+    corrected = ", corrected by the baseline" * judged
+    tables["frequencies"] = _frequencies(result.table, states(result), corrected)
+    return tables | ({} if beside is None else {"modes": _frequencies(beside, states(result))})
+
+
+def _frequencies(table: FrequencyTable | ModalTable, names: tuple[str, str], corrected: str = "") -> Table:
+    """Measured values with those of the model before and after."""
+    modal = isinstance(table, ModalTable)
     heads = {"mode": "mode"} if modal else {"dof": "response dof", "force": "force dof"}
-    heads["measured"] = f"measured{', corrected by the baseline' if judged else ''} (Hz)"
-    for state, name in zip(("before", "after"), states(result), strict=True):
+    heads["measured"] = f"measured{corrected} (Hz)"
+    for state, name in zip(("before", "after"), names, strict=True):
+        heads |= {f"{state}_mode": "paired with mode"} if modal else {}
         heads |= {state: f"{name} (Hz)", f"{state}_percent": "difference (%)"}
         heads |= {f"{state}_mac": "MAC"} if modal else {}
     title = "Resonances" if modal else "Antiresonances"
-    return tables | {"frequencies": Table(title, heads, _frequency_rows(result, list(heads)), "group")}
+    return Table(title, heads, _frequency_rows(table, list(heads)), "group")
 
 
 def _smallest(result: DamageResult) -> str:
@@ -593,13 +639,14 @@ def hypothesis_rows(found: Assessment) -> tuple[list[dict[str, Any]], str]:
     return rows, f"{others} others, together {_probability(rest)} %." if others else ""
 
 
-def _frequency_rows(result: UpdateResult, names: list[str]) -> list[dict[str, Any]]:
+def _frequency_rows(table: Any, names: list[str]) -> list[dict[str, Any]]:
     """Each measured value with the model's before and after; the response is named once."""
-    table: Any = result.table
 
     def cell(name: str, value: float) -> str:
         if not np.isfinite(value):
             return "no partner"
+        if name.endswith("mode"):
+            return f"{value:.0f}"
         return signed(value) if name.endswith("percent") else f"{value:.3f}"
 
     columns = {

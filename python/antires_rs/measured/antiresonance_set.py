@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..exceptions import InvalidInputError, Name, reject
 from ..support.checks import FloatArray, choice
-from ..support.files import write_atomically
+from ..support.files import marked_json, write_atomically
 from ..support.messages import keywords_left
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
@@ -602,14 +602,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     @classmethod
     def from_json(cls, text: str, name: str = "text") -> Self:
         """A set from the text of :meth:`to_json`; ``name`` stands for it in messages."""
-        try:
-            data = json.loads(text)
-        except (ValueError, RecursionError) as exc:
-            reject("path", f"{name!r}, which is not JSON ({exc})", _WANTED, _ANOTHER)
-        if not isinstance(data, dict) or data.get("format") != FORMAT:
-            reject("path", f"{name!r} without the mark {FORMAT!r}", _WANTED, _ANOTHER)
-        if not isinstance(data.get("version"), int) or data["version"] > VERSION:
-            reject("path", f"{name!r} of version {data.get('version')!r}", _WANTED, "Update antires_rs.")
+        data = marked_json(text, name, FORMAT, VERSION, _WANTED, _ANOTHER)
         try:
             force, listed = force_label("excitation", data["excitation"]), data.get("channels")
             named = key_of(force, [row["dof"] for row in data["dofs"]], listed or ())

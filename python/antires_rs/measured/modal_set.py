@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import copy
+import json
+import os
 from collections.abc import Iterable
-from typing import Any
+from pathlib import Path
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import reject
+from ..exceptions import InvalidInputError, reject
 from ..support.checks import FloatArray, dof_labels, real_array
+from ..support.files import marked_json, write_atomically
+from ..support.messages import some
 from ..support.values import ReadOnly, frozen
+
+_FORMAT, _VERSION = "antires_rs.ModalSet", 1
+_WANTED = f"a file written by ModalSet.save, version {_VERSION} or older"
+_ANOTHER = "'antires identify --modes --out modes.json' writes one; or name the file that holds it."
+_COLUMNS = ("damping_ratio", "std_hz", "std_shapes")  # a number for each mode, where they are known
 
 
 class ModalSet(ReadOnly):
@@ -79,6 +89,11 @@ class ModalSet(ReadOnly):
         for name, std in (("std_hz", std_hz), ("std_shapes", std_shapes)):
             self._fill(**{name: _each(name, std, freq.size, least=0.0)})
 
+    def at_dofs(self, columns: list[int], dofs: Iterable[Any]) -> ModalSet:
+        """The set with these columns of the shapes, which are of ``dofs``."""
+        known = {name: getattr(self, name) for name in _COLUMNS}
+        return ModalSet(self.freq_hz, self.shapes[:, columns], dofs, diagram=self.diagram, **known)
+
     def mac(self, other: ModalSet) -> FloatArray:
         """Modal assurance criterion between two sets of shapes, over the dofs that both have.
 
@@ -127,8 +142,48 @@ class ModalSet(ReadOnly):
         made._fill(shapes=frozen(np.where(largest < 0.0, -real, real)))
         return made
 
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write as JSON, whole or not at all; every float comes back bit for bit, the diagram does not."""
+        data: dict[str, Any] = {"format": _FORMAT, "version": _VERSION, "dofs": list(self.dofs), "modes": []}
+        known = {name: getattr(self, name) for name in _COLUMNS if getattr(self, name) is not None}
+        for r, (freq, shape) in enumerate(zip(self.freq_hz, self.shapes, strict=True)):
+            row = {"freq_hz": float(freq)} | {name: float(column[r]) for name, column in known.items()}
+            row |= {"real": np.real(shape).tolist()}
+            row |= {"imaginary": np.imag(shape).tolist()} if np.iscomplexobj(shape) else {}
+            data["modes"].append(row)
+        write_atomically(path, (json.dumps(data, indent=1, allow_nan=False) + "\n").encode())
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read what :meth:`save` wrote; others are an InvalidInputError."""
+        try:
+            text = Path(path).read_text(encoding="utf-8")
+            data = marked_json(text, str(path), _FORMAT, _VERSION, _WANTED, _ANOTHER)
+            modes, dofs = data["modes"], data["dofs"]
+            columns = {
+                name: [mode[name] for mode in modes] for name in _COLUMNS if modes and name in modes[0]
+            }
+            shapes = np.array([mode["real"] for mode in modes], dtype=np.float64).reshape(-1, len(dofs))
+            if modes and "imaginary" in modes[0]:
+                shapes = shapes + 1j * np.array([mode["imaginary"] for mode in modes], dtype=np.float64)
+            return cls([mode["freq_hz"] for mode in modes], shapes, dofs, **columns)
+        except (KeyError, TypeError, ValueError, AttributeError) as exc:
+            if isinstance(exc, InvalidInputError) and exc.argument == "path":
+                raise
+            raise InvalidInputError(
+                "path", f"{str(path)!r}, which is damaged ({exc})", _WANTED, _ANOTHER
+            ) from exc
+
     def __len__(self) -> int:
         return int(self.freq_hz.size)
+
+    def __str__(self) -> str:
+        """Frequencies and damping, a line a mode."""
+        lines = [f"mode          Hz  damping (%)   {len(self.dofs)} dofs: {some(map(str, self.dofs), 8)}"]
+        damping = np.full(len(self), np.nan) if self.damping_ratio is None else 100.0 * self.damping_ratio
+        for r, (freq, share) in enumerate(zip(self.freq_hz, damping, strict=True)):
+            lines.append(f"{r:4d}  {freq:10.3f}  {'-' if share != share else f'{share:.3f}':>11}")
+        return "\n".join(lines)
 
     def __repr__(self) -> str:
         band = f", {self.freq_hz[0]:.4g} to {self.freq_hz[-1]:.4g} Hz" if len(self) else ""

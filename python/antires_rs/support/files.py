@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from ..exceptions import reject
 
@@ -21,6 +23,19 @@ def cell(value: object) -> object:
     """A value for a table of text; what a spreadsheet would carry out, ``=cmd``, is text to it too."""
     formula = isinstance(value, str) and _FORMULA.match(value) and not _PLAIN.fullmatch(value)
     return f"'{value}" if formula else value
+
+
+def marked_json(text: str, name: str, form: str, version: int, wanted: str, remedy: str) -> dict[str, Any]:
+    """The object of a JSON text that says it is of this format and version; ``name`` stands in messages."""
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError) as exc:
+        reject("path", f"{name!r}, which is not JSON ({exc})", wanted, remedy)
+    if not isinstance(data, dict) or data.get("format") != form:
+        reject("path", f"{name!r} without the mark {form!r}", wanted, remedy)
+    if not isinstance(data.get("version"), int) or data["version"] > version:
+        reject("path", f"{name!r} of version {data.get('version')!r}", wanted, "Update antires_rs.")
+    return data
 
 
 def write_atomically(path: str | os.PathLike[str], data: bytes) -> Path:

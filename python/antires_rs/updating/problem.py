@@ -291,7 +291,8 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         return self._core.repaired(self._vector(x))
 
     def _table(self, x: FloatArray) -> FrequencyTable | ModalTable:
-        return self._targets.table(self._core, self._repaired(self._nominal), self._repaired(x))
+        states = self._repaired(self._nominal), self._repaired(x)
+        return self._targets.table(self._core, states, self.model_at)
 
     def _vector(self, x: Any) -> FloatArray:
         n = len(self.parameters)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any, Self, cast
 
 import numpy as np
 
 from ..exceptions import reject
+from ..measured.modal_set import ModalSet
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import History, OptimizeResult, seed_of, thread_count
 from ..support.checks import FloatArray, choice, finite_scalar, integer
@@ -96,6 +97,23 @@ class UpdateResult(ReadOnly, Viewed):
     def table(self) -> FrequencyTable | ModalTable:
         """Measured, before and after, one row a measured antiresonance or mode."""
         return self.problem._table(self.x)
+
+    def modes_beside(self, modes: ModalSet | Sequence[ModalSet]) -> ModalTable:
+        """Measured modes beside those of the model before and after, whatever was fitted: a check of it.
+
+        Paired as :class:`UpdatingProblem` pairs modes; their dofs are those of the model.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> case = ar.cases.chain8(perturbation=0.05, rng=3)
+        >>> table = ar.update(case.updating_problem(), rng=0).modes_beside(case.exact_modes())
+        >>> table.after_mode.astype(int).tolist(), bool(table.after_mac.min() > 0.999)
+        ([1, 2, 3, 4, 5, 6, 7], True)
+        """
+        sets = (modes,) if isinstance(modes, ModalSet) else modes
+        problem = UpdatingProblem(self.problem.model, self.problem.parameters, sets, objective="modal")
+        return cast("ModalTable", problem._table(self.x))
 
     @cached_property
     def identifiability(self) -> Identifiability:

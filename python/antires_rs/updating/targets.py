@@ -66,15 +66,16 @@ class _Differences:
         said = [f"{'no partner' if x != x else f'{x:.2f} %'} {when}" for when, x in both.items()]
         return f"largest difference: {', '.join(said)}"
 
-    def _text(self, head: list[str], labels: Sequence[str], *mac: FloatArray) -> str:
-        """The table in print; ``mac`` are columns of both states, where there are some."""
+    def _text(self, head: list[str], labels: Sequence[str], *modes: tuple[FloatArray, FloatArray]) -> str:
+        """The table in print; ``modes`` are numbers of partners and MAC of both states, where there are."""
         states = ((self.before_hz, self.before_percent), (self.after_hz, self.after_percent))
         lines = [*head]
         for row, label in enumerate(labels):
             line = f"{label} {self.measured_hz[row]:10.3f}"
             for state, (hz, percent) in enumerate(states):
+                line += f"  {number(modes[state][0][row], 0):>4}" if modes else ""
                 line += f"  {number(hz[row], 3):>10} {signed(percent[row]):>7}"
-                line += f" {number(mac[state][row], 3):>6}" if mac else ""
+                line += f" {number(modes[state][1][row], 3):>6}" if modes else ""
             lines.append(line)
         return "\n".join([*lines, self._closing])
 
@@ -133,6 +134,8 @@ class ModalTable(_Differences, Value):
         Number of the mode among those measured together, from 0.
     measured_hz, before_hz, after_hz, before_mac, after_mac : ndarray, (m,)
         Resonances, and MAC of the measured shape with the partner's; NaN where the model has none.
+    before_mode, after_mode : ndarray, (m,), or None
+        Number of the partner among the modes of the model, from 0, rigid-body ones counted; NaN likewise.
 
     Examples
     --------
@@ -148,13 +151,23 @@ class ModalTable(_Differences, Value):
     after_hz: FloatArray
     before_mac: FloatArray
     after_mac: FloatArray
+    before_mode: FloatArray | None = None
+    after_mode: FloatArray | None = None
+
+    @property
+    def partners(self) -> tuple[FloatArray, FloatArray]:
+        """Numbers of the partners before and after, (m,) each, NaN where they are not known."""
+        unknown = np.full(self.mode.shape, np.nan)
+        before, after = (unknown if n is None else n for n in (self.before_mode, self.after_mode))
+        return before, after
 
     def __str__(self) -> str:
         head = [
-            "mode   measured      before                      after",
-            "             Hz          Hz       %    MAC          Hz       %    MAC",
+            "mode   measured      before                            after",
+            "             Hz  mode          Hz       %    MAC  mode          Hz       %    MAC",
         ]
-        return self._text(head, [f"{mode:4d}" for mode in self.mode], self.before_mac, self.after_mac)
+        both = zip(self.partners, (self.before_mac, self.after_mac), strict=True)
+        return self._text(head, [f"{mode:4d}" for mode in self.mode], *both)
 
 
 # -- Measured values that are no antiresonances: halves of complex zeros (see the page on theory)
@@ -460,10 +473,10 @@ class AntiresonanceTargets:
         """Measured value, kind (0 for frequencies, 1 for entries of shapes) and stated error of each row."""
         return np.arange(self.hz.size), np.zeros(self.hz.size, dtype=np.intp), self.relative_std
 
-    def table(self, core: _core.Objective, before: FloatArray, after: FloatArray) -> FrequencyTable:
+    def table(self, core: _core.Objective, x: Sequence[FloatArray], _: object) -> FrequencyTable:
         """Measured, before and after."""
-        hz = core.pairs(before)[0], core.pairs(after)[0]
-        return FrequencyTable(self.dofs, self.excitations, self.hz, *hz, self.names)
+        before, after = (core.pairs(at)[0] for at in x)
+        return FrequencyTable(self.dofs, self.excitations, self.hz, before, after, self.names)
 
     def exact(self, nominal: StructuralModel, _: FloatArray, moved: Sequence[StructuralModel]) -> Exact:
         """Antiresonances up to the highest measured one that can be followed from the nominal model."""
@@ -592,10 +605,20 @@ class ModalTargets:
         kind = np.repeat(np.arange(2), [number.size, entries.size])
         return np.append(number, entries), kind, np.full(kind.size, np.nan)
 
-    def table(self, core: _core.Objective, before: FloatArray, after: FloatArray) -> ModalTable:
-        """Measured, before and after."""
-        (hz, mac, _), (hz_after, mac_after, _) = self.pairs(core, before), self.pairs(core, after)
-        return ModalTable(self.numbers, self.hz, hz, hz_after, mac, mac_after)
+    def table(
+        self, core: _core.Objective, x: Sequence[FloatArray], models: Callable[[FloatArray], StructuralModel]
+    ) -> ModalTable:
+        """Measured, before and after, with the numbers of the partners among the modes of ``models``."""
+        (hz, mac, _), (hz_after, mac_after, _) = (self.pairs(core, at) for at in x)
+        numbers = []
+        for own, at in zip((hz, hz_after), x, strict=True):
+            found = np.isfinite(own)
+            number = np.full(own.size, np.nan)
+            if found.any():
+                there = models(at).modes(f_max_hz=1.01 * float(own[found].max())).freq_hz
+                number[found] = np.argmin(np.abs(there - own[found][:, None]), axis=1)
+            numbers.append(number)
+        return ModalTable(self.numbers, self.hz, hz, hz_after, mac, mac_after, *numbers)
 
     def exact(self, nominal: StructuralModel, nominal_hz: FloatArray, _: Sequence[StructuralModel]) -> Exact:
         """The modes whose numbers are those of the nominal model's partners."""

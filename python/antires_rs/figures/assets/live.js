@@ -19,10 +19,12 @@
   }
   async function draw(figure) {
     try {
-      await library();
       const item = JSON.parse(await unpacked(figure.querySelector(".packed")));
+      const place = figure.querySelector(".live");
+      if (!item.scene) await library();
       figure.classList.add("shown");
-      await window.Bokeh.embed.embed_item(item, figure.querySelector(".live").id);
+      if (item.scene) window.drawScene(place, item);
+      else await window.Bokeh.embed.embed_item(item, place.id);
       figure.classList.add("drawn");
     } catch (error) {
       figure.classList.remove("shown");
