@@ -41,6 +41,7 @@ from .planning.detectability import detectability
 from .planning.detection_curves import DetectionCurves
 from .planning.placement import Round
 from .planning.plan import SensorPlan, plan_test
+from .signals.alignment import align
 from .signals.data_check import check_data
 from .signals.frequency_response import FrequencyResponse
 from .signals.one_force import DataCheck, Finding
@@ -70,7 +71,7 @@ __all__ = [
     "ParameterIntervals", "PointMass", "ProfileLikelihood", "RationalFit", "Recording", "Rectangle",
     "Reduction", "ReductionReport", "Round", "SampledSet", "SearchOptions", "Section", "SensorPlan", "Series",
     "SeverityIntervals", "StabilizationDiagram", "TrackEvent", "Tracks", "Tube", "UnsuitableDataError",
-    "UpdateEnsemble", "UpdateResult", "UpdatingProblem", "Watched", "__version__", "angle", "assess_damage",
+    "UpdateEnsemble", "UpdateResult", "UpdatingProblem", "Watched", "__version__", "align", "angle", "assess_damage",
     "cases", "check_data", "compare", "density", "detectability", "diameter", "eliminate_constraints",
     "explain", "fit_rational", "frf", "from_sep005", "identifiability", "identify_antiresonances",
     "identify_modes", "identify_series", "inertia", "lagrange_rows", "length", "mass_factor", "merge_setups",

@@ -19,7 +19,9 @@ from ..support.messages import warn
 #: Parts of a record whose mean steps are compared, and by how much they may differ relatively.
 _PARTS, _DRIFT = 32, 1e-3
 _EVEN = "instants in s, evenly spaced and ascending"
-_INSTANTS = "Resample it, cut out an even part, or leave the instants out and pass the rate."
+_INSTANTS = (
+    "Resample it (align=True, and align), cut out an even part, or leave the instants out and pass the rate."
+)
 
 BYTES_OF_DOF = 512  # of a model, whatever its matrices hold: 300 are taken, and some microseconds
 
@@ -129,6 +131,15 @@ def simplest_rate(low: float, high: float) -> float:
 
     rate, step = simplest(low, high), simplest(1.0 / high, 1.0 / low)
     return min(key(rate, rate), key(step, 1.0 / step))[2]
+
+
+def usual_rate(path: Path, times: Any) -> float:
+    """Sampling rate of instants in s with gaps: that of the usual step."""
+    steps = np.diff(times)
+    if not steps.size or not np.isfinite(times).all() or steps.min() <= 0.0:
+        unsuitable(path, "whose time does not ascend", "instants that ascend", _INSTANTS)
+    usual = float(np.median(steps))
+    return 1.0 / float(np.mean(steps[steps < 1.5 * usual]))
 
 
 def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
