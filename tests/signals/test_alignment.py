@@ -61,7 +61,7 @@ def test_missed_samples_are_made_up_and_other_samples_stay(at):
     assert joined.n_samples == T.size
     assert np.array_equal(joined.responses[1][left], gappy.responses[0])
     assert np.abs(joined.responses[1] - joined.responses[0]).max() < 1e-4
-    for use in (ar.check_data, lambda rec: ar.identify_antiresonances(rec, excitation="b", band_hz=(1, 9))):
+    for use in (lambda rec: ar.check_data(rec, band_hz=(1, 9)), lambda rec: ar.identify_antiresonances(rec, excitation="b", band_hz=(1, 9))):
         with pytest.raises(ar.InvalidInputError, match="gaps in its time.*ar.align"):
             use(gappy)
 
@@ -132,4 +132,4 @@ def test_the_shake_table_as_its_sensors_wrote_it():
     known = np.load(DATA / "shake_table" / "records.npz")["flexible_sine_1.5"]
     found = joined.responses - joined.responses.mean(axis=1, keepdims=True)
     assert joined.fs_hz == pytest.approx(120.0, rel=1e-4)
-    assert all(np.corrcoef(a[: b.size], b[: a.size])[0, 1] > 0.99 for a, b in zip(found, known, strict=True))
+    assert all(np.corrcoef(a[: b.size], b[: a.size])[0, 1] > 0.98 for a, b in zip(found, known, strict=True))

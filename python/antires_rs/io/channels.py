@@ -58,7 +58,9 @@ def recording_of(
         unsuitable(path, f"with channels of {sorted(lengths)} samples", "channels of one length", remedy)
     if given.unit is not None:  # which is that of the responses
         units |= {id(c): Unit.named(given.unit) for c in used}
-    one_quantity(path, [(repr(c.name), units[id(c)].quantity, f"in {c.unit or 'no unit'}") for c in used])
+    kinds = [(repr(c.name), units[id(c)].quantity, f"in {c.unit or 'no unit'}") for c in used]
+    remedy = "Leave out those of other kinds by responses= or dofs=, name the hammer by force=, or the unit= of all."
+    one_quantity(path, kinds, remedy)
     for unit in sorted({c.unit for c in used}) if given.unit is None else ():
         unit_or_warning(path, unit)
     values = np.stack([units[id(c)].in_si(c.values) for c in used])
@@ -154,11 +156,14 @@ def rate_of_step(step_s: float) -> float:
     return simplest_rate((1.0 - 1e-12) / step_s, (1.0 + 1e-12) / step_s)
 
 
-def one_quantity(path: Path, found: Sequence[tuple[str, str, str]]) -> None:
+def one_quantity(
+    path: Path,
+    found: Sequence[tuple[str, str, str]],
+    remedy: str = "Leave out those of other kinds by dofs=, or name the unit= of all.",
+) -> None:
     """Refuse accelerations beside displacements; ``found`` has name, quantity and unit of each channel."""
     if len({quantity for _, quantity, _ in found}) > 1:
         got = "with responses of several kinds, " + ", ".join(f"{name} {unit}" for name, _, unit in found)
-        remedy = "Leave out those of other kinds by responses= or dofs=, name the hammer by force=, or the unit= of all."
         unsuitable(path, got, "accelerations, velocities or displacements alone", remedy)
 
 

@@ -18,7 +18,7 @@ from ..support.checks import FloatArray, finite_scalar, shape_of
 from ..support.messages import some, warn
 from ._child import matches
 from .channels import Channel, rate_of_step, recording_of, response_of, warn_other_rate
-from .common import Signal, rate_of, refuse_real, unsuitable, usual_rate
+from .common import TO_ALIGN, Signal, rate_of, refuse_real, unsuitable, usual_rate
 from .options import Reading
 from .units import Unit, abscissa_factor, is_abscissa
 
@@ -311,7 +311,7 @@ class _Bag:
             return given
         if time is not None:
             instants = notes.factor(path, time) * self.numeric[time][0].real
-            rate = usual_rate(path, instants) if self.given.align else rate_of(path, instants)
+            rate = usual_rate(path, instants) if self.given.align else rate_of(path, instants, remedy=TO_ALIGN)
             if stated is not None and abs(stated - rate) > 1e-3 * rate:
                 found = f"with a stated rate of {stated:g} Hz and a {time!r} of {rate:g} Hz, if it is in s"
                 unsuitable(path, found, "one rate", "Give the true one by fs_hz=.")

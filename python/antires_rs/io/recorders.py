@@ -334,6 +334,8 @@ def _segments(file: Path) -> tuple[_Form, list[Segment]]:
             rows = list(group)
             if there and not titles and not form.is_row(rows[0]):
                 titles = rows.pop(0)
+                while titles and not titles[-1]:
+                    titles.pop()
             found += [Segment(tags, titles, rows)] if there and rows else []
         tags = {name: values for name, *values in form.rows("".join(header))}
     if header:

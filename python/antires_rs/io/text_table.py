@@ -19,7 +19,7 @@ from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import choice, finite_scalar
 from ..support.messages import warn
 from .channels import Channel, chosen, recording_of, response_of, warn_other_rate
-from .common import Signal, rate_of, unsuitable, usual_rate
+from .common import TO_ALIGN, Signal, rate_of, unsuitable, usual_rate
 from .options import Reading
 from .raw_arrays import given_lines, lines_of_axis
 from .table_layouts import (
@@ -241,9 +241,11 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
         middle = split[len(split) // 2] if split else []
         odd = next((f": {part[:40]!r} is none" for part in middle if not _numeric([part], point)), "")
         unsuitable(file, f"without a row of numbers{odd}", _NUMBERS, "Name the delimiter= and decimal=.")
+    before = split[start - 1] if start else []
+    if len(before) == len(split[start]) + 1 and _numeric(before[:-1], point):
+        before.pop()  # a comment behind the first row
+        start -= 1
     rows = split[start:]
-    if len(rows) > 2 and len(rows[0]) == len(rows[1]) + 1 and not _numeric(rows[0][-1:], point):
-        rows[0].pop()  # a comment behind the first row
     width = len(rows[0])
     for row in split[:start]:
         if len(row) == width > 1 and _numeric(row[:1], point):  # a row, not names
@@ -483,7 +485,7 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
     if given.align:
         return recording_of(file, channels, rate or usual_rate(file, instants), given, clock)
     if rate is None:
-        return recording_of(file, channels, rate_of(file, instants, digits=digits), given, clock)
+        return recording_of(file, channels, rate_of(file, instants, digits=digits, remedy=TO_ALIGN), given, clock)
     with suppress(UnsuitableDataError):  # instants that say nothing are why a rate was given
         warn_other_rate(file, "has instants at", rate_of(file, instants, digits=digits), rate)
     return recording_of(file, channels, rate, given)
