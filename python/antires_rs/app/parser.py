@@ -260,7 +260,9 @@ _HELP = {  #: What the help says of an argument that it does not take from the s
     "excitation": "dof of the one force: a number, or a name as the file has it",
     "force": "channel of the force",
     "dofs": "name a channel's dof, or leave it out by CHANNEL=; once for each channel",
-    "responses": "array or channel of the responses, * for any text; once for each (default: all)",
+    "align": "the files are sensors of one test with a clock each: join them by their columns of time, and make "
+    "up missed samples; named by what differs between the files",
+    "responses": "array, column or channel of the responses, * for any text; once for each (default: all)",
     "roving": "the sensor that stayed while the hammer roved: of a universal file with all hits, or of "
     "several files, a hit each, which are identified one by one and joined",
 }
@@ -281,6 +283,8 @@ def measurement_rows(needed: Sequence[str] = (), without: Sequence[str] = ()) ->
                 how |= one_of(key.words)
             elif key.name == "format":
                 how |= one_of(list(ENDINGS))
+            elif " " not in key.flag:
+                how["default"] = None  # a switch that is not given says nothing
             yield argument(key.flag, _HELP.get(key.name, small(key.help).removesuffix(".")), **how)
     if "hit" in without:
         return

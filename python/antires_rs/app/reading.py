@@ -17,10 +17,11 @@ from ..identification.options import sorted_out
 from ..io.channels import renamed
 from ..io.common import Signal
 from ..io.own_format import relabelled
-from ..io.registry import CONVERT, READERS
+from ..io.registry import CONVERT, READERS, differences
 from ..io.uff import as_point, force_of, label_of
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.structural_model import StructuralModel
+from ..signals.alignment import align
 from ..signals.frequency_response import covered_hz
 from ..signals.repeats import one_source
 from ..support.messages import EDIT_WANTED, edit_named, some, warn
@@ -140,13 +141,15 @@ class Measurement:
         job, place = self.job, self.place
         job.check_data(place, self.table)
         options = self.table if self._dofs is None else {**self.table, "dofs": self._dofs}
+        joins = bool(options.get("align"))
         signals = []
         for at, path in zip(self.places, (self.file, *self.repeats), strict=True):
             with job.blame(place, {"path": at, "files": at, "signal": at}):
-                signal = read_signal(path, self.kind, options, job.spelled)
-            signals.append(self._at_dofs(signal))
-        with job.blame(place, {"source": self.places}):
-            self.signal = one_source(signals)
+                alone = {name: value for name, value in options.items() if name != "dofs" or not joins}
+                signal = read_signal(path, self.kind, alone, job.spelled)
+            signals.append(signal if joins else self._at_dofs(signal))
+        with job.blame(place, {"source": self.places, "records": self.places}):
+            self.signal = self._at_dofs(self._aligned(signals)) if joins else one_source(signals)
         job.check_data(place, self.table, self.signal)
         at, force = (*place, "excitation"), self.table["excitation"]
         if isinstance(self._dofs, dict) and force in self._dofs:
@@ -156,6 +159,19 @@ class Measurement:
                 remedy = "Write the dof at which the force acts; its channel may still be left out."
                 job.reject(at, f"{shown(force)}, which dofs leaves out", "a dof of the model", remedy)
         self.force = self._of_model(at, self._find(at, force))
+
+    def _aligned(self, sensors: list[Any]) -> Signal:
+        """Sensors that wrote a file each as one record, channels of one name by what differs between the files."""
+        names = [dof for rec in sensors for dof in rec.dofs]
+        if len(set(names)) < len(names):
+            stems = differences([path.stem for path in (self.file, *self.repeats)])
+            names = [
+                stem if rec.n_channels == 1 else f"{stem} {dof}"
+                for stem, rec in zip(stems, sensors, strict=True)
+                for dof in rec.dofs
+            ]
+        joined = align(sensors, dofs=names)
+        return joined if self._dofs is None else relabelled(joined, renamed("dofs", _texts(names, self._dofs), self._dofs))
 
     def identified(self) -> Measurement:
         """The same, with its antiresonances, edited as the table says."""
@@ -212,6 +228,11 @@ class Measurement:
         if isinstance(dof, str):
             remedy = f'Say which dof it is: dofs = {{ "{dof}" = 0, ... }}.'
         return self.job.reject(place, got, f"a dof of the model, 0 to {model.n_dof - 1}", remedy)
+
+
+def _texts(names: list[Any], dofs: Any) -> list[Any]:
+    """Names as a table of dofs has them."""
+    return [str(name) for name in names] if isinstance(dofs, dict) else names
 
 
 #: Keys of values that are dropped and added by hand, and what each does.
@@ -415,7 +436,7 @@ class Call(Job):
     def spelled(name: str, value: Any) -> str:
         """An argument of a reader as this command has it; those it lacks a job has."""
         flag = _FLAGS.get(name, f"{name} (in a job)")
-        return flag if value is None else f"{flag} {value}"
+        return flag if value is None or value is True else f"{flag} {value}"
 
 
 _FILE: KeyPath = ("data", "file")

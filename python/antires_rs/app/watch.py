@@ -19,6 +19,8 @@ from ..figures.sets import plot_tracks
 from ..io.common import Signal
 from ..io.registry import ENDINGS, natural
 from ..measured.track import Tracks
+from ..signals.alignment import align
+from ..signals.recording import Recording
 from ..support.files import write_atomically
 from ..watch.conditions import condition_table
 from ..watch.identify_series import identify_series
@@ -47,7 +49,8 @@ class JobReader:
     def __call__(self, file: Path) -> Signal:
         """The signal of a file."""
         kind = FOLDER if file.is_dir() else format_of(file.name, self.table.get("format"))
-        return read_signal(file, kind or "", self.table, self.spell)
+        signal = read_signal(file, kind or "", self.table, self.spell)
+        return align([signal]) if self.table.get("align") and isinstance(signal, Recording) else signal
 
 
 def series(args: argparse.Namespace) -> int:
