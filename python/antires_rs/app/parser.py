@@ -141,7 +141,7 @@ def argument(use: str, about: str, **how: Any) -> Row:
     flags = [word for word in words if word.startswith("--")] or words[:1]
     values = [word for word in words[len(flags) :] if word not in ("!", "...")]
     if not values:
-        return flags, {"help": about, "action": "store_true"}
+        return flags, {"help": about, "action": "store_true"} | how
     first, _, least = values[0].rstrip("?*+").partition(">=")
     if first.startswith("{"):
         how = one_of(first[1:-1].split(",")) | how

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import re
-from ast import literal_eval
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
@@ -27,8 +26,8 @@ from ..signals.repeats import one_source
 from ..support.messages import EDIT_WANTED, edit_named, some, warn
 from .arguments import dof_finder
 from .command import existing, say
-from .job import LEAVE_OUT, Job, KeyPath, Place
-from .keys import DATA, FOLDER, IDENTIFICATION, SIGNAL_ENDINGS, format_of, shown
+from .job import Job, KeyPath, Place, Spell, spelled
+from .keys import DATA, FOLDER, IDENTIFICATION, SECTIONS, SIGNAL_ENDINGS, format_of, shown
 from .parser import nearest
 
 # -- One file: its signal, whatever its format
@@ -36,23 +35,6 @@ from .parser import nearest
 _READERS: dict[str, Callable[..., Signal]] = {**READERS, FOLDER: io.read_frf_files}
 #: Keys of [data] that are not a reader's.
 _OURS = {"file", "repeats", "format", "excitation", "band_hz", "dofs", "drop", "add"}
-
-
-#: How an argument of a reader is written, alone or with the value to be passed.
-Spell = Callable[[str, Any], str]
-#: As texts of errors have it for who calls from Python: ``fs_hz=``, ``first='time'``; and a channel left out.
-_PASSED = re.compile(r"""\b(\w+)=(?:('[^']*'|"[^"]*"|\d+|True)|(?![\w{([]))""")
-_LEFT_OUT = re.compile(r"Map a \w+ to None to leave it out")
-
-
-def spelled(text: str, spell: Spell) -> str:
-    """A text for who calls from Python, as the user of a job or of a command would write it."""
-
-    def respelled(found: re.Match[str]) -> str:
-        name, value = found.groups()
-        return spell(name, value and literal_eval(value)) if DATA.key(name) else found[0]
-
-    return _LEFT_OUT.sub(LEAVE_OUT, _PASSED.sub(respelled, text))
 
 
 def read_signal(file: Path, kind: str, options: Mapping[str, Any], spell: Spell = Job.spelled) -> Signal:
@@ -83,7 +65,7 @@ def read_signal(file: Path, kind: str, options: Mapping[str, Any], spell: Spell 
             return signal
         names = [str(name) if named else name for name in signal.dofs]
         for name in (name for name in dofs if named and name not in [*names, *left_out]):
-            reject("dofs", f"{name!r}, which is no channel", f"names out of {names}", "Correct or remove it.")
+            reject("dofs", f"{name!r}, which is no channel of {file.name}", f"names out of {names}", "Correct or remove it.")
         return relabelled(signal, renamed("dofs", names, dofs))
     except InvalidInputError as exc:
         texts = (spelled(text, spell) for text in (exc.wanted, exc.remedy))
@@ -144,7 +126,8 @@ class Measurement:
         joins = bool(options.get("align"))
         signals = []
         for at, path in zip(self.places, (self.file, *self.repeats), strict=True):
-            with job.blame(place, {"path": at, "files": at, "signal": at}):
+            of_file = ("path", "files", "signal", *(("dofs", "responses") if at[0] == "damage" else ()))
+            with job.blame(place, dict.fromkeys(of_file, at)):  # a baseline that lacks a channel is at fault
                 alone = {name: value for name, value in options.items() if name != "dofs" or not joins}
                 signal = read_signal(path, self.kind, alone, job.spelled)
             signals.append(signal if joins else self._at_dofs(signal))
@@ -354,6 +337,7 @@ _OF_FILES = ("file", "path", "files", "signal", "source", "sets")
 #: Options of the command line by keys of a job.
 _FLAGS = {key.name: key.flag.split()[0] for key in (*DATA.keys, *IDENTIFICATION.keys) if key.flag}
 _FLAGS |= {name: f"--{name}" for name in EDITS}
+_OTHERS = ("damage", "updating", "search")  # sections of jobs whose keys no command has
 
 
 class Call(Job):
@@ -435,7 +419,8 @@ class Call(Job):
     @staticmethod
     def spelled(name: str, value: Any) -> str:
         """An argument of a reader as this command has it; those it lacks a job has."""
-        flag = _FLAGS.get(name, f"{name} (in a job)")
+        section = next((part for part in _OTHERS if SECTIONS[part].key(name)), "")
+        flag = _FLAGS.get(name, f"{name} in [{section}]" if section else f"{name} (in a job)")
         return flag if value is None or value is True else f"{flag} {value}"
 
 
