@@ -132,6 +132,7 @@ def _label(place: KeyPath) -> str:
 
 
 #: How a channel is left out in a job and on the command line.
+_OWN_SECTION: Any = {"model": ("model",), "measured": ("data",)}  # arguments that are a section of a job
 LEAVE_OUT = "Give it a dof, or leave it out: false in a job, CHANNEL= on the command line"
 #: How an argument is written, alone or with the value to be passed.
 Spell = Callable[[str, Any], str]
@@ -325,7 +326,7 @@ class Job:
             if isinstance(exc.argument, Place):  # blamed already
                 raise
             name, *steps = exc.path
-            at = (elsewhere or {}).get(name, (*place, name))
+            at = {**_OWN_SECTION, **(elsewhere or {})}.get(name, (*place, name))
             if isinstance(at, list):
                 at, steps = (at[steps[0]], steps[1:]) if steps else (place, steps)
             wanted, remedy = (spelled(text, self.spelled) for text in (exc.wanted, exc.remedy))

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from copy import copy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NoReturn
 
 from .. import io
 from ..damage.options import ONE_STATE, TWO_STATES, options_with
-from ..exceptions import InvalidInputError, reject
+from ..exceptions import AntiresWarning, InvalidInputError, reject
 from ..identification.identify import Hit, identify_antiresonances, identify_roving
 from ..identification.options import sorted_out
 from ..io.channels import renamed
@@ -110,10 +114,12 @@ class Measurement:
         job.only(place, table, self.kind)
         self._find = dof_finder(job, model)
         self._dofs: Any = table.get("dofs")
+        self._names: dict[int, str] = {}  # what the user calls dofs of the model
         if self._dofs is not None:
             named = isinstance(self._dofs, dict)
             given = self._dofs.items() if named else enumerate(self._dofs)
             found = {key: self._find((*place, "dofs", key), dof) for key, dof in given}
+            self._names |= {dof: key for key, dof in found.items() if named and type(dof) is int}
             self._dofs = found if named else list(found.values())
         say(f"reading {self.file.name}" + (f" and {len(self.repeats)} more" if self.repeats else ""))
         if self.kind != "antiresonances":
@@ -168,10 +174,40 @@ class Measurement:
             if "dofs" in chosen:
                 chosen["dofs"] = [self._find(("identification", "dofs"), dof) for dof in chosen["dofs"]]
             given = {"excitation": self.force, "band_hz": self.table["band_hz"], **sorted_out(chosen)}
-            with self.job.blame(self.place, {"source": self.places[0], **OPTIONS}):
+            with self.job.blame(self.place, {"source": self.places[0], **OPTIONS}), self._warned_by_name():
                 found = identify_antiresonances(self.signal, **given)
+            found = self._checked_by_name(found)
         self.found = edited(self.job, self.place, self.table, found, self._find)
         return self
+
+    def _by_name(self, text: str) -> str:
+        """A text on dofs of the model with what the user calls them."""
+
+        def named(found: re.Match[str]) -> str:
+            return found[1] + re.sub(r"\d+", lambda n: repr(self._names.get(int(n[0]), int(n[0]))), found[2])
+
+        return _DOFS.sub(named, text) if self._names else text
+
+    @contextmanager
+    def _warned_by_name(self) -> Iterator[None]:
+        with warnings.catch_warnings(record=True) as heard:
+            warnings.simplefilter("always", AntiresWarning)
+            yield
+        for each in heard:
+            one = each.message
+            if isinstance(one, AntiresWarning):
+                one = AntiresWarning(self._by_name(one.text), one.about)
+            warnings.warn_explicit(one, each.category, each.filename, each.lineno)
+
+    def _checked_by_name(self, found: AntiresonanceSet) -> AntiresonanceSet:
+        check = found.data_check
+        if check is None or not self._names:
+            return found
+        words = ("text", "advice", "brief")
+        findings = [replace(f, **{word: self._by_name(getattr(f, word)) for word in words}) for f in check.findings]
+        named = copy(found)
+        named._fill(data_check=replace(check, findings=tuple(findings)))
+        return named
 
     def _at_dofs(self, signal: Signal) -> Signal:
         """The signal with every channel at a dof of the model."""
@@ -217,6 +253,8 @@ def _texts(names: list[Any], dofs: Any) -> list[Any]:
     """Names as a table of dofs has them."""
     return [str(name) for name in names] if isinstance(dofs, dict) else names
 
+
+_DOFS = re.compile(r"\b((?:[Dd]ofs?|[Cc]hannels?) )(\d+(?:(?:, | and | or )\d+)*)")
 
 #: Keys of values that are dropped and added by hand, and what each does.
 EDITS: dict[str, Any] = {"drop": AntiresonanceSet.drop, "add": AntiresonanceSet.add}
@@ -266,6 +304,13 @@ def measured_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
             known = {path.resolve() for _, path in files}  # the first is not read twice
             files += [(at, path) for path in job.files(at, name) if path.resolve() not in known]
         measured.append(Measurement(job, place, table, model, files).identified())
+    if model is not None and not any(values.size for each in measured for values in each.found.values()):
+        low, high = job.data[0].get("band_hz", (0.0, 0.0))
+        seen = measured[0].found.data_check
+        noise = seen is not None and {"dead_channel", "signal_to_noise"} & {f.name for f in seen.findings}
+        got = f"no antiresonance{f' in {low:g}-{high:g} Hz' if high else ''}{'; the channels hold noise there' * bool(noise)}"
+        remedy = "Choose another band_hz; 'antires look' shows the curves."
+        job.reject((*job.data_places[0], "band_hz" if high else "file"), got, "a band with some", remedy)
     if job.sections["identification"] and all(each.signal is None for each in measured):
         got = "options beside files that hold antiresonances already"
         wanted = "a measurement to be identified"
