@@ -70,7 +70,8 @@ def read_signal(file: Path, kind: str, options: Mapping[str, Any], spell: Spell 
         names = [str(name) if named else name for name in signal.dofs]
         for name in (name for name in dofs if named and name not in [*names, *left_out]):
             reject("dofs", f"{name!r}, which is no channel of {file.name}", f"names out of {names}", "Correct or remove it.")
-        return relabelled(signal, renamed("dofs", names, dofs))
+        # What a table does not name keeps its name.
+        return relabelled(signal, renamed("dofs", names, {**dict(zip(names, names, strict=True)), **dofs} if named else dofs))
     except InvalidInputError as exc:
         texts = (spelled(text, spell) for text in (exc.wanted, exc.remedy))
         raise type(exc)(exc.argument, exc.got, *texts) from exc
@@ -159,8 +160,11 @@ class Measurement:
                 for stem, rec in zip(stems, sensors, strict=True)
                 for dof in rec.dofs
             ]
-        joined = align(sensors, dofs=names)
-        return joined if self._dofs is None else relabelled(joined, renamed("dofs", _texts(names, self._dofs), self._dofs))
+        joined, dofs = align(sensors, dofs=names), self._dofs
+        if isinstance(dofs, dict):
+            names = [str(name) for name in names]
+            dofs = {**dict(zip(names, names, strict=True)), **{k: None if v is False else v for k, v in dofs.items()}}
+        return joined if dofs is None else relabelled(joined, renamed("dofs", names, dofs))
 
     def identified(self) -> Measurement:
         """The same, with its antiresonances, edited as the table says."""
@@ -247,11 +251,6 @@ class Measurement:
         if isinstance(dof, str):
             remedy = f'Say which dof it is: dofs = {{ "{dof}" = 0, ... }}.'
         return self.job.reject(place, got, f"a dof of the model, 0 to {model.n_dof - 1}", remedy)
-
-
-def _texts(names: list[Any], dofs: Any) -> list[Any]:
-    """Names as a table of dofs has them."""
-    return [str(name) for name in names] if isinstance(dofs, dict) else names
 
 
 _DOFS = re.compile(r"\b((?:[Dd]ofs?|[Cc]hannels?) )(\d+(?:(?:, | and | or )\d+)*)")
