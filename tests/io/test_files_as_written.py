@@ -64,14 +64,20 @@ def dot(path, left=slice(None), start=2**32 - 1_000_000, rows=ROWS, tag="Xsens D
     clock = (start + 20_000 * np.arange(N)) % 2**32
     table = np.vstack([np.arange(N), clock, ROWS + 40.0, rows, 9 * ROWS])
     table[5:8, 0] = 0.0
-    body = [",".join(f"{x:.0f}" if i < 2 else f"{x:.14f}" for i, x in enumerate(row)) for row in table.T[left]]
-    path.write_text("\n".join([*head, ",".join(["PacketCounter", "SampleTimeFine", *names]), *body]) + "\n", "utf-8")
+    body = [
+        ",".join(f"{x:.0f}" if i < 2 else f"{x:.14f}" for i, x in enumerate(row)) for row in table.T[left]
+    ]
+    path.write_text(
+        "\n".join([*head, ",".join(["PacketCounter", "SampleTimeFine", *names]), *body]) + "\n", "utf-8"
+    )
     return path
 
 
 def test_movella_dot(tmp_path):
     file = dot(tmp_path / "a.csv")
-    with pytest.raises(ar.UnsuitableDataError, match="'Gyr_X' in deg/s.*Leave out those of other kinds by responses="):
+    with pytest.raises(
+        ar.UnsuitableDataError, match="'Gyr_X' in deg/s.*Leave out those of other kinds by responses="
+    ):
         ar.read_csv(file)
     read = ar.read_csv(file, responses="Acc_*")
     assert (read.dofs, read.fs_hz) == (("Acc_X", "Acc_Y", "Acc_Z"), FS)
@@ -100,9 +106,19 @@ def test_the_sensors_of_a_shake_table():
 @pytest.mark.parametrize("blanks", ["", "\t", " \t "])
 def test_pulse(tmp_path, blanks):
     head = [
-        *("Header Size:\t17", "Version:\t22.0", "Data Type:\tComplex", f"X-Axis size:\t{LINES}", "X-Axis type:\tLinear"),
+        *(
+            "Header Size:\t17",
+            "Version:\t22.0",
+            "Data Type:\tComplex",
+            f"X-Axis size:\t{LINES}",
+            "X-Axis type:\tLinear",
+        ),
         *("X-Axis unit:\tHz", "X-Axis first value:\t1.0000000E+000", "X-Axis delta:\t1.0000000E+000"),
-        *("AmplitudeUnit:\t(m/s^2)/N", "Title1:\tFrequency Response H1(Resp 4,Hammer) - Input", "Ref_Signal:\tHammer"),
+        *(
+            "AmplitudeUnit:\t(m/s^2)/N",
+            "Title1:\tFrequency Response H1(Resp 4,Hammer) - Input",
+            "Ref_Signal:\tHammer",
+        ),
         *("Signal:\tResp 4", "TagsBegin:", "Node\t12", "TagsEnd"),
     ]
     rows = zip(np.arange(LINES) + 1, FREQ, H.real, H.imag, strict=True)
@@ -147,7 +163,9 @@ def test_a_frequency_column_in_a_matrix_is_no_response(tmp_path, shape):
             found = read(file, **options)
             np.testing.assert_allclose(found.values, table[:, 1:].T)
             np.testing.assert_allclose(found.freq_hz, axis)
-        with pytest.raises(ar.InvalidInputError, match="df_hz: got it for 'MAT_001.*first column holds frequencies"):
+        with pytest.raises(
+            ar.InvalidInputError, match="df_hz: got it for 'MAT_001.*first column holds frequencies"
+        ):
             read(file, df_hz=0.25)
     text = tmp_path / "a.txt"
     np.savetxt(text, table)
@@ -165,8 +183,13 @@ def lvm(path, head, segment, rows, between, end=""):
 @pytest.mark.parametrize(("between", "end"), [("\t", ""), (",", ""), (",", ",,")])
 def test_lvm_whose_delta_is_rounded(tmp_path, between, end):
     fs = 5120.0
-    head = [between.join(x) for x in (("LabVIEW Measurement",), ("Separator", "Comma" if between == "," else "Tab"))]
-    head += [between.join(x) for x in (("X_Columns", "One"), ("Decimal_Separator", "."))] + ["***End_of_Header***"]
+    head = [
+        between.join(x)
+        for x in (("LabVIEW Measurement",), ("Separator", "Comma" if between == "," else "Tab"))
+    ]
+    head += [between.join(x) for x in (("X_Columns", "One"), ("Decimal_Separator", "."))] + [
+        "***End_of_Header***"
+    ]
     segment = ["Channels" + between + "2" + between, "Delta_X" + between + between.join(["0.000195"] * 2)]
     segment += ["***End_of_Header***", between.join(["X_Value", "tip", "root", "Comment"])]
     rows = [[f"{i / fs:.10f}", f"{a:.6f}", f"{b:.6f}"] for i, (a, b) in enumerate(ROWS[:2].T)]
@@ -193,7 +216,9 @@ def test_lvm_without_a_header(tmp_path):
 
 def test_text_without_a_header_over_whole_hertz(tmp_path):
     file = lines(tmp_path / "a.txt", rows=zip(np.arange(LINES), H.real, H.imag, strict=True), between=" ")
-    with pytest.raises(ar.UnsuitableDataError, match="counts the rows.*frequency in Hz, pass pairs='real_imag'"):
+    with pytest.raises(
+        ar.UnsuitableDataError, match="counts the rows.*frequency in Hz, pass pairs='real_imag'"
+    ):
         ar.read_csv(file)
     read = ar.read_csv(file, pairs="real_imag")
     np.testing.assert_allclose(read.values[0], H)

@@ -61,7 +61,10 @@ def test_missed_samples_are_made_up_and_other_samples_stay(at):
     assert joined.n_samples == T.size
     assert np.array_equal(joined.responses[1][left], gappy.responses[0])
     assert np.abs(joined.responses[1] - joined.responses[0]).max() < 1e-4
-    for use in (lambda rec: ar.check_data(rec, band_hz=(1, 9)), lambda rec: ar.identify_antiresonances(rec, excitation="b", band_hz=(1, 9))):
+    for use in (
+        lambda rec: ar.check_data(rec, band_hz=(1, 9)),
+        lambda rec: ar.identify_antiresonances(rec, excitation="b", band_hz=(1, 9)),
+    ):
         with pytest.raises(ar.InvalidInputError, match="gaps in its time.*ar.align"):
             use(gappy)
 

@@ -69,9 +69,17 @@ def read_signal(file: Path, kind: str, options: Mapping[str, Any], spell: Spell 
             return signal
         names = [str(name) if named else name for name in signal.dofs]
         for name in (name for name in dofs if named and name not in [*names, *left_out]):
-            reject("dofs", f"{name!r}, which is no channel of {file.name}", f"names out of {names}", "Correct or remove it.")
+            reject(
+                "dofs",
+                f"{name!r}, which is no channel of {file.name}",
+                f"names out of {names}",
+                "Correct or remove it.",
+            )
         # What a table does not name keeps its name.
-        return relabelled(signal, renamed("dofs", names, {**dict(zip(names, names, strict=True)), **dofs} if named else dofs))
+        return relabelled(
+            signal,
+            renamed("dofs", names, {**dict(zip(names, names, strict=True)), **dofs} if named else dofs),
+        )
     except InvalidInputError as exc:
         texts = (spelled(text, spell) for text in (exc.wanted, exc.remedy))
         raise type(exc)(exc.argument, exc.got, *texts) from exc
@@ -163,7 +171,10 @@ class Measurement:
         joined, dofs = align(sensors, dofs=names), self._dofs
         if isinstance(dofs, dict):
             names = [str(name) for name in names]
-            dofs = {**dict(zip(names, names, strict=True)), **{k: None if v is False else v for k, v in dofs.items()}}
+            dofs = {
+                **dict(zip(names, names, strict=True)),
+                **{k: None if v is False else v for k, v in dofs.items()},
+            }
         return joined if dofs is None else relabelled(joined, renamed("dofs", names, dofs))
 
     def identified(self) -> Measurement:
@@ -208,7 +219,9 @@ class Measurement:
         if check is None or not self._names:
             return found
         words = ("text", "advice", "brief")
-        findings = [replace(f, **{word: self._by_name(getattr(f, word)) for word in words}) for f in check.findings]
+        findings = [
+            replace(f, **{word: self._by_name(getattr(f, word)) for word in words}) for f in check.findings
+        ]
         named = copy(found)
         named._fill(data_check=replace(check, findings=tuple(findings)))
         return named

@@ -303,7 +303,9 @@ class _Teller:
         self.without_baseline = wanted - len(failed) < LEAST
         if self.without_baseline:
             why = _OF_A_FILE.sub("", series.failed[failed[0]])
-            self.say_once(f"{len(failed)} of {wanted} baseline files not read or identified; {series.names[failed[0]]}: {why}")
+            self.say_once(
+                f"{len(failed)} of {wanted} baseline files not read or identified; {series.names[failed[0]]}: {why}"
+            )
             return
         with warnings.catch_warnings():
             if self._warned:

@@ -351,9 +351,7 @@ def reservations(found: Assessment) -> list[str]:
         f"{lost} of {found.n_values} values {'has' if lost == 1 else 'have'} no partner in the model: new or "
         "false.": lost and matched,
         f"{matched} value{'s' * (matched != 1)} {'cannot' if matched <= _FEW // 2 else 'hardly'} locate"
-        " damage. Measure at more dofs, or in a wider band.": (
-            found.n_values and spare < _FEW
-        ),
+        " damage. Measure at more dofs, or in a wider band.": (found.n_values and spare < _FEW),
         f"The model predicts changes to about {figure(found.kappa)}: it explained the baseline to "
         f"{figure(found.root_std)}.": found.baseline and found.kappa > 0.0,
         "One test of the intact structure: how far values scatter from test to test is not known, their own "

@@ -233,12 +233,17 @@ class _Bag:
         """The other rows of a matrix over its first one."""
         given, rows = self.given, self.numeric[name][1:]
         if given.freq_hz is not None or given.df_hz is not None:
-            stated, option = given_lines(self.path, given, lines.size), "df_hz" if given.freq_hz is None else "freq_hz"
+            stated, option = (
+                given_lines(self.path, given, lines.size),
+                "df_hz" if given.freq_hz is None else "freq_hz",
+            )
             if not np.allclose(stated, lines, rtol=1e-6, atol=1e-6 * lines[-1]):
                 got = f"it for {name!r}, whose first column holds frequencies, {lines[0]:g} to {lines[-1]:g}"
                 reject(option, got, "the frequencies of the file", "Leave it out: the column is used.")
         unit = self.notes.unit(name)
-        channels = [Channel(name if len(rows) == 1 else f"{name}[{i}]", row, unit) for i, row in enumerate(rows)]
+        channels = [
+            Channel(name if len(rows) == 1 else f"{name}[{i}]", row, unit) for i, row in enumerate(rows)
+        ]
         return response_of(self.path, lines, channels, given)
 
     def _role(self, argument: str, given: str | None, names: set[str]) -> str | None:
@@ -311,7 +316,9 @@ class _Bag:
             return given
         if time is not None:
             instants = notes.factor(path, time) * self.numeric[time][0].real
-            rate = usual_rate(path, instants) if self.given.align else rate_of(path, instants, remedy=TO_ALIGN)
+            rate = (
+                usual_rate(path, instants) if self.given.align else rate_of(path, instants, remedy=TO_ALIGN)
+            )
             if stated is not None and abs(stated - rate) > 1e-3 * rate:
                 found = f"with a stated rate of {stated:g} Hz and a {time!r} of {rate:g} Hz, if it is in s"
                 unsuitable(path, found, "one rate", "Give the true one by fs_hz=.")

@@ -176,7 +176,9 @@ def _one(path: Path, format: str, options: dict[str, Any]) -> FrequencyResponse:
         found = f"{len(signal.dofs)} responses" if several else "a record over time"
         remedy = "Read it alone by its own reader, or name the response that is meant."
         if not isinstance(signal, FrequencyResponse):
-            remedy = "Read each record by its own reader; sensors of one test, a file each: join them by align."
+            remedy = (
+                "Read each record by its own reader; sensors of one test, a file each: join them by align."
+            )
         unsuitable(path, f"with {found}", "one response over frequency in each file", remedy)
     return signal
 

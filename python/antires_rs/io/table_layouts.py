@@ -29,7 +29,12 @@ def labelled_rows(rows: Sequence[Sequence[str]], width: int) -> tuple[list[str],
 def stated_rate_hz(rows: Sequence[Sequence[str]]) -> float | None:
     """What a row such as ``Sampling Rate(Hz),50`` says; None without one."""
     for row in rows:
-        if len(row) > 1 and _RATE.match(row[0]) and re.fullmatch(r"[\d.]+", row[1]) and "khz" not in row[0].lower():
+        if (
+            len(row) > 1
+            and _RATE.match(row[0])
+            and re.fullmatch(r"[\d.]+", row[1])
+            and "khz" not in row[0].lower()
+        ):
             return float(row[1]) or None
     return None
 
@@ -76,6 +81,10 @@ def unwrapped(ticks: FloatArray) -> FloatArray:
     usual = float(np.median(steps))
     for bits in (16, 24, 32):
         fixed = steps[down] + 2.0**bits
-        if ticks.max() < 2.0**bits and 0.0 < fixed.min() and fixed.max() <= 1000.0 * usual < 2.0 ** (bits - 1):
+        if (
+            ticks.max() < 2.0**bits
+            and fixed.min() > 0.0
+            and fixed.max() <= 1000.0 * usual < 2.0 ** (bits - 1)
+        ):
             return np.concatenate([ticks[:1], ticks[0] + np.cumsum(steps + 2.0**bits * down)])
     return ticks

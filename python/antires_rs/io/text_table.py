@@ -22,14 +22,7 @@ from .channels import Channel, chosen, recording_of, response_of, warn_other_rat
 from .common import TO_ALIGN, Signal, rate_of, unsuitable, usual_rate
 from .options import Reading
 from .raw_arrays import given_lines, lines_of_axis
-from .table_layouts import (
-    is_pulse,
-    labelled_rows,
-    movella_columns,
-    pulse_columns,
-    stated_rate_hz,
-    unwrapped,
-)
+from .table_layouts import is_pulse, labelled_rows, movella_columns, pulse_columns, stated_rate_hz, unwrapped
 from .units import Unit, abscissa_factor, is_abscissa, is_frequency
 
 # -- Columns of text that are one complex response together: two parts of it, or magnitude and phase
@@ -485,7 +478,9 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
     if given.align:
         return recording_of(file, channels, rate or usual_rate(file, instants), given, clock)
     if rate is None:
-        return recording_of(file, channels, rate_of(file, instants, digits=digits, remedy=TO_ALIGN), given, clock)
+        return recording_of(
+            file, channels, rate_of(file, instants, digits=digits, remedy=TO_ALIGN), given, clock
+        )
     with suppress(UnsuitableDataError):  # instants that say nothing are why a rate was given
         warn_other_rate(file, "has instants at", rate_of(file, instants, digits=digits), rate)
     return recording_of(file, channels, rate, given)

@@ -95,7 +95,9 @@ def align(records: Iterable[Recording], *, dofs: Sequence[Any] | None = None) ->
     labels = _labels(every, dofs)
     forces = [rec for rec in every if rec.force is not None]
     if len(forces) > 1:
-        reject("records", f"{len(forces)} with a force", "one force at most", "Read the others by force=None.")
+        reject(
+            "records", f"{len(forces)} with a force", "one force at most", "Read the others by force=None."
+        )
     clocked = _unwrapped([_clocked(i, rec) for i, rec in enumerate(every)])
     slowest = int(np.argmax([each.step_s for each in clocked]))
     rows, instants = _on_one_clock(clocked, clocked[slowest])
@@ -187,13 +189,16 @@ def _unwrapped(clocked: list[_Clocked]) -> list[_Clocked]:
     if overlap(clocked) < 3 * _HALF * step:
         last = max(float(each.time_s[0]) for each in clocked)
         for wrap in _WRAPS_S:
-            if not all(0.0 <= each.time_s[0] and each.time_s[-1] < 2.0 * wrap for each in clocked):
+            if not all(each.time_s[0] >= 0.0 and each.time_s[-1] < 2.0 * wrap for each in clocked):
                 continue
             moved = [
-                c._replace(time_s=c.time_s + wrap) if c.time_s[-1] + wrap > last > c.time_s[-1] else c for c in clocked
+                c._replace(time_s=c.time_s + wrap) if c.time_s[-1] + wrap > last > c.time_s[-1] else c
+                for c in clocked
             ]
             if overlap(moved) >= 3 * _HALF * step:
-                said = f"records: clocks are joined where a counter of 32 bits began again, after {wrap:.9g} s"
+                said = (
+                    f"records: clocks are joined where a counter of 32 bits began again, after {wrap:.9g} s"
+                )
                 warn("own_clocks", f"{said}. See that all are of one test.")
                 return moved
         spans = some((f"{c.time_s[0]:.9g} to {c.time_s[-1]:.9g} s" for c in clocked), 6)
@@ -211,7 +216,9 @@ def _on_one_clock(clocked: Sequence[_Clocked], slowest: _Clocked) -> tuple[list[
     places = {}
     for each in clocked:
         place = np.interp(slowest.time_s, each.time_s, np.arange(each.time_s.size))
-        inside = (slowest.time_s >= begin - _SAME * each.step_s) & (slowest.time_s <= end + _SAME * each.step_s)
+        inside = (slowest.time_s >= begin - _SAME * each.step_s) & (
+            slowest.time_s <= end + _SAME * each.step_s
+        )
         if np.abs(place - np.rint(place))[inside].max(initial=0.0) > _SAME:
             half = _HALF * max(slowest.step_s, each.step_s)  # the kernel stays within the record
             begin, end = max(begin, each.time_s[0] + half), min(end, each.time_s[-1] - half)

@@ -129,7 +129,9 @@ def _instants(time_s: Any, n_samples: int) -> FloatArray:
     wanted = f"a real array ({n_samples},) that ascends, one instant in s for each sample"
     instants = real_array("time_s", time_s, ndim=1, wanted=wanted)
     if instants.size != n_samples:
-        reject("time_s", f"{instants.size} instants", wanted, "Leave it out, or cut both to the same samples.")
+        reject(
+            "time_s", f"{instants.size} instants", wanted, "Leave it out, or cut both to the same samples."
+        )
     falls = np.flatnonzero(np.diff(instants) <= 0.0)
     if falls.size:
         at = int(falls[0])

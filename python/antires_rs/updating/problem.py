@@ -207,7 +207,9 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         choice("misfit", misfit, get_args(Misfit))
         targets = targets_of(checked_model(model), measured, objective)
         if not targets.hz.size:
-            reject("measured", f"no {targets.noun}", "at least one", "Identify in another band, or at more dofs.")
+            reject(
+                "measured", f"no {targets.noun}", "at least one", "Identify in another band, or at more dofs."
+            )
         bounds = np.array([p.bounds for p in chosen], dtype=np.float64).reshape(-1, 2)
         parts = model.description.core_parameters(chosen)
         nominal = _core.nominal_values(model._core, parts)

@@ -177,7 +177,10 @@ def complex_zeros(
 
     first = model.modes(n_modes=1).freq_hz
     if first.size and first[0] > _MODES * f_max_hz:
-        got, wanted = f"one whose first resonance is {first[0]:.3g} Hz", f"resonances near the values, up to {f_max_hz:.4g} Hz"
+        got, wanted = (
+            f"one whose first resonance is {first[0]:.3g} Hz",
+            f"resonances near the values, up to {f_max_hz:.4g} Hz",
+        )
         reject("model", got, wanted, "Check its units: m, kg, N, Pa.")
     modes = model.modes(f_max_hz=_MODES * f_max_hz)
     n = modes.freq_hz.size
