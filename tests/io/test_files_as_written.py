@@ -1,4 +1,4 @@
-"""Files as other programs write them: look-alikes, each read at the first call or with the option its error names."""
+"""Look-alikes of files of other programs, each read at the first call or with the option its error names."""
 
 import numpy as np
 import pytest

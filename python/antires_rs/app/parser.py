@@ -260,8 +260,8 @@ _HELP = {  #: What the help says of an argument that it does not take from the s
     "excitation": "dof of the one force: a number, or a name as the file has it",
     "force": "channel of the force",
     "dofs": "name a channel's dof, or leave it out by CHANNEL=; once for each channel",
-    "align": "the files are sensors of one test with a clock each: join them by their columns of time, and make "
-    "up missed samples; named by what differs between the files",
+    "align": "the files are sensors of one test with a clock each: join them by their columns of time, and "
+    "make up missed samples; named by what differs between the files",
     "responses": "array, column or channel of the responses, * for any text; once for each (default: all)",
     "roving": "the sensor that stayed while the hammer roved: of a universal file with all hits, or of "
     "several files, a hit each, which are identified one by one and joined",

@@ -159,7 +159,7 @@ class Measurement:
         self.force = self._of_model(at, self._find(at, force))
 
     def _aligned(self, sensors: list[Any]) -> Signal:
-        """Sensors that wrote a file each as one record, channels of one name by what differs between the files."""
+        """Sensors with a file each as one record; channels of one name are called by what differs in the files."""
         names = [dof for rec in sensors for dof in rec.dofs]
         if len(set(names)) < len(names):
             stems = differences([path.stem for path in (self.file, *self.repeats)])
@@ -320,7 +320,8 @@ def measured_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
         low, high = job.data[0].get("band_hz", (0.0, 0.0))
         seen = measured[0].found.data_check
         noise = seen is not None and {"dead_channel", "signal_to_noise"} & {f.name for f in seen.findings}
-        got = f"no antiresonance{f' in {low:g}-{high:g} Hz' if high else ''}{'; the channels hold noise there' * bool(noise)}"
+        got = f"no antiresonance in {low:g}-{high:g} Hz" if high else "no antiresonance"
+        got += "; the channels hold noise there" if noise else ""
         remedy = "Choose another band_hz; 'antires look' shows the curves."
         job.reject((*job.data_places[0], "band_hz" if high else "file"), got, "a band with some", remedy)
     if job.sections["identification"] and all(each.signal is None for each in measured):

@@ -304,7 +304,8 @@ class _Teller:
         if self.without_baseline:
             why = _OF_A_FILE.sub("", series.failed[failed[0]])
             self.say_once(
-                f"{len(failed)} of {wanted} baseline files not read or identified; {series.names[failed[0]]}: {why}"
+                f"{len(failed)} of {wanted} baseline files not read or identified; "
+                f"{series.names[failed[0]]}: {why}"
             )
             return
         with warnings.catch_warnings():

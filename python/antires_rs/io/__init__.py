@@ -15,8 +15,8 @@ from .table_files import read_csv, read_excel, read_parquet, write_csv
 from .uff import list_uff, read_uff, write_uff
 
 __all__ = [
-    "MatchedPoints", "from_sep005", "list_uff", "match_points", "read_csv", "read_dof_map", "read_excel", "read_frf_files",
-    "read_hdf5", "read_lvm", "read_mat", "read_matrices", "read_miniseed", "read_npz", "read_parquet",
-    "read_tdms", "read_uff", "read_wav", "to_sep005", "write_csv", "write_hdf5", "write_mat",
+    "MatchedPoints", "from_sep005", "list_uff", "match_points", "read_csv", "read_dof_map", "read_excel",
+    "read_frf_files", "read_hdf5", "read_lvm", "read_mat", "read_matrices", "read_miniseed", "read_npz",
+    "read_parquet", "read_tdms", "read_uff", "read_wav", "to_sep005", "write_csv", "write_hdf5", "write_mat",
     "write_matrices", "write_npz", "write_uff",
 ]  # fmt: skip

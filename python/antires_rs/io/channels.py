@@ -59,7 +59,8 @@ def recording_of(
     if given.unit is not None:  # which is that of the responses
         units |= {id(c): Unit.named(given.unit) for c in used}
     kinds = [(repr(c.name), units[id(c)].quantity, f"in {c.unit or 'no unit'}") for c in used]
-    remedy = "Leave out those of other kinds by responses= or dofs=, name the hammer by force=, or the unit= of all."
+    remedy = "Leave out those of other kinds by responses= or dofs=, name the hammer by force=, or the unit= "
+    remedy += "of all."
     one_quantity(path, kinds, remedy)
     for unit in sorted({c.unit for c in used}) if given.unit is None else ():
         unit_or_warning(path, unit)

@@ -62,7 +62,8 @@ class MatchedPoints(ReadOnly):
     >>> matched = ar.match_points({"tip": (0.501, 0.0, 0.0, "-Z"), "base": (0.0, 0.001, 0.0, "+X")}, nodes)
     >>> matched.dofs
     {'tip': '9:Z', 'base': '7:X'}
-    >>> matched.apply(ar.Recording([[1.0, 2.0, 4.0], [0.0, 0.5, 0.0]], 8.0, dofs=["tip", "base"])).responses[0]
+    >>> record = ar.Recording([[1.0, 2.0, 4.0], [0.0, 0.5, 0.0]], 8.0, dofs=["tip", "base"])
+    >>> matched.apply(record).responses[0]
     array([-1., -2., -4.])
     """
 
@@ -78,7 +79,7 @@ class MatchedPoints(ReadOnly):
         return {next(iter(of)): dof for dof, of in self.weights.items() if len(of) == 1}
 
     def apply(self, signal: Signal) -> Signal:
-        """A recording at dofs of the model, channels turned into its axes; those without a dof are left out."""
+        """A recording at dofs of the model, turned into its axes; channels without a dof are left out."""
         if not isinstance(signal, Recording):  # FRFs: names alone, as long as nothing has to be turned
             return relabelled(signal, [self._plain(name) for name in signal.dofs])
         names = list(signal.dofs)
@@ -109,13 +110,14 @@ def match_points(
     Parameters
     ----------
     points : mapping or path-like
-        By name ``(x, y, z, direction)`` in m, the direction as ``"+X"``, ``"-z"``, ``"v"`` or a vector. Or a table (CSV)
-        with the columns name, x, y, z, direction, whose headers may have a unit, ``x [mm]``. Or a universal file
-        with functions and nodes (datasets 58, and 15, 781 or 2411), in m by its dataset 164.
+        By name ``(x, y, z, direction)`` in m, the direction as ``"+X"``, ``"-z"``, ``"v"`` or a vector. Or a
+        table (CSV) with the columns name, x, y, z, direction, whose headers may have a unit, ``x [mm]``. Or a
+        universal file with functions and nodes (datasets 58, and 15, 781 or 2411), in m by its dataset 164.
     nodes : mapping, (n, 3) or (n, 2) array, path-like, or model
-        Coordinates in m by number of the node, or of nodes 0, 1, ...; of a universal file; of a model that has them.
+        Coordinates in m by number of the node, or of nodes 0, 1, ...; of a universal file; of a model.
     tolerance_m : float, optional
-        Farthest node in m. Default: half of the usual distance of neighbouring nodes, or 1 % of the structure.
+        Farthest node in m. Default: half of the usual distance of neighbouring nodes, at least 1 % of the
+        structure.
     check : bool
         False takes the coordinates as they are, however few of them lie at a node.
 
@@ -127,14 +129,14 @@ def match_points(
     Raises
     ------
     UnsuitableDataError
-        Points that lie at nodes only in another unit, with mirrored or exchanged axes, or shifted: which, is told.
+        Points that lie at nodes only in another unit, with mirrored or exchanged axes, or shifted.
     InvalidInputError
         Values that are no coordinates or directions.
 
     Warns
     -----
     AntiresWarning
-        Points without a dof, and names that look exchanged: each lies at the node that the other is called by.
+        Points without a dof, and names that look exchanged: each lies at the node of the other.
 
     Examples
     --------

@@ -46,7 +46,7 @@ def given_lines(path: Path, given: Reading, count: int) -> FloatArray:
 
 
 def lines_of_axis(values: Any) -> FloatArray | None:
-    """A column as frequencies if it can be nothing else: real, from 0 Hz or above, ascending in even steps."""
+    """A column as frequencies if it can be nothing else: real, not negative, ascending in even steps."""
     if values.size < 8 or np.any(np.imag(values)):
         return None
     lines = np.real(values).astype(np.float64)

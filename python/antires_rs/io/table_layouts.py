@@ -39,7 +39,7 @@ def stated_rate_hz(rows: Sequence[Sequence[str]]) -> float | None:
     return None
 
 
-# -- One response a file: "Header Size:", "X-Axis unit:", "Signal:", tags, then number, x, real, imaginary (PULSE)
+# -- One response a file (PULSE): "Header Size:", "X-Axis unit:", "Signal:", tags; number, x, real, imaginary
 
 
 def is_pulse(body: Sequence[str]) -> bool:

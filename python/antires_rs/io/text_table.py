@@ -146,7 +146,7 @@ _INSTANT = re.compile(  #: An instant, as ISO 8601 has it, or with slashes.
 
 
 def _instants_as_time(file: Path, rows: list[list[str]]) -> tuple[int | None, str, float]:
-    """Put the time since the first instant, as fine as it was written, in its place; its column, unit, start."""
+    """Put the time since the first instant in its place, as fine as written; its column, unit and start."""
     there = (c for row in rows[:_HEAD] for c, text in enumerate(row[:2]) if _INSTANT.match(text))
     column = next(there, None)
     middle = rows[len(rows) // 2 :][:3]  # the date of a test in the header is no column
@@ -243,16 +243,7 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     for row in split[:start]:
         if len(row) == width > 1 and _numeric(row[:1], point):  # a row, not names
             unsuitable(file, f"whose row {' '.join(row)[:60]!r} is not numeric throughout", _NUMBERS)
-    head = body[:start] or _commented_names(lines, between, width)
-    if between is None:  # "Frequency [Hz]" is one name
-        head = [re.sub(r"(?<=\w)\s+([\[(])", r"\1", line) for line in head]
-    above = [[part.strip('"') for part in _split(line, between)] for line in head]
-    table.rate_hz = stated_rate_hz(above)
-    told = pulse_columns(head, width) if is_pulse(body) else labelled_rows(above, width)
-    if told is not None:
-        table.names, table.units = told
-    else:
-        named(table, above)
+    _headed(table, body[:start] or _commented_names(lines, between, width), between, width)
     if not ended:
         # A number that lost its last digits still is one, so that only a line end proves the row whole.
         if len(rows[-1]) != width or "rows" in table.header or trailing:
@@ -270,6 +261,19 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
         if table.names:
             table.names[table.instants] = "time"
     return table
+
+
+def _headed(table: Table, head: list[str], between: str | None, width: int) -> None:
+    """Names, units and a rate of the lines above the numbers."""
+    if between is None:  # "Frequency [Hz]" is one name
+        head = [re.sub(r"(?<=\w)\s+([\[(])", r"\1", line) for line in head]
+    above = [[part.strip('"') for part in _split(line, between)] for line in head]
+    table.rate_hz = stated_rate_hz(above)
+    told = pulse_columns(head, width) if is_pulse(head) else labelled_rows(above, width)
+    if told is None:
+        named(table, above)
+    else:
+        table.names, table.units = told
 
 
 def _as_movella(table: Table) -> None:
@@ -469,10 +473,17 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
         return _response(file, lead.values.real * _into_si(file, lead), channels, given)
     if any(np.iscomplexobj(c.values) for c in columns):
         unsuitable(file, "with complex columns over time", "real ones", "Pass first='freq'.")
-    rate = given.rate_hz
     if first == "channel":
         rate = finite_scalar("fs_hz", given.fs_hz, low=0.0, low_open=True, unit="Hz")
         return recording_of(file, channels, rate, given)
+    return _over_time(file, table, lead, channels, digits, given)
+
+
+def _over_time(
+    file: Path, table: Table, lead: Channel, channels: list[Channel], digits: float, given: Reading
+) -> Signal:
+    """A record over its column of instants."""
+    rate = given.rate_hz
     instants = unwrapped(lead.values) * _into_si(file, lead, lead.values)
     clock = instants + table.began_s
     if given.align:

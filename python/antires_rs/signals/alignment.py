@@ -1,10 +1,10 @@
 """Records of sensors with clocks of their own, joined by their instants to one recording.
 
-A sensor's clock is a smooth line through its instants: jitter of single ones is that of the stamps, not of the
-samples. Its samples are interpolated at the instants of the slowest sensor by a symmetric windowed sinc, which has no
-phase of its own; its passband ends at 0.8 of the lower Nyquist frequency. Samples that were missed are
-those that leave the smallest error of an autoregression of their own channel (Janssen, Veldhuis and Vries, IEEE
-Trans. ASSP 34 (1986) 317-330, doi 10.1109/TASSP.1986.1164824).
+A sensor's clock is a smooth line through its instants: jitter of single ones is that of the stamps, not of
+the samples. Samples are interpolated at the instants of the slowest sensor by a symmetric windowed sinc, which
+has no phase of its own; its passband ends at 0.8 of the lower Nyquist frequency. Samples that were missed are
+those that leave the smallest error of an autoregression of their own channel (Janssen, Veldhuis and Vries,
+IEEE Trans. ASSP 34 (1986) 317-330, doi 10.1109/TASSP.1986.1164824).
 """
 
 from __future__ import annotations
@@ -183,7 +183,7 @@ def _unwrapped(clocked: list[_Clocked]) -> list[_Clocked]:
     """The clocks, of which one may have begun again before the others did; refused where none overlap."""
 
     def overlap(those: Sequence[_Clocked]) -> float:
-        return min(c.time_s[-1] for c in those) - max(c.time_s[0] for c in those)
+        return float(min(c.time_s[-1] for c in those) - max(c.time_s[0] for c in those))
 
     step = max(each.step_s for each in clocked)
     if overlap(clocked) < 3 * _HALF * step:

@@ -323,7 +323,8 @@ def _baseline_tests(given: Any, series: Series) -> NDArray[np.intp]:
         got = f"{sound.size} tests with antiresonances"
         if sound.size < chosen.size:
             first = next(i for i in chosen.tolist() if i in series.failed)
-            got = f"{chosen.size - sound.size} of {chosen.size} tests that failed, the first: {series.failed[first]}"
+            why = series.failed[first]
+            got = f"{chosen.size - sound.size} of {chosen.size} tests that failed, the first: {why}"
         reject("baseline", got, wanted, remedy)
     return sound
 
