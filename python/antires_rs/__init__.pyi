@@ -18,9 +18,9 @@ from .identification.options import FitOptions
 from .identification.rational_fit import RationalFit, fit_rational
 from .identification.stabilization import StabilizationDiagram, stabilization
 from .io import (
-    from_sep005, read_csv, read_excel, read_frf_files, read_hdf5, read_lvm, read_mat, read_matrices,
-    read_miniseed, read_model, read_npz, read_parquet, read_tdms, read_uff, read_wav, to_sep005, write_csv,
-    write_hdf5, write_mat, write_matrices, write_npz, write_uff
+    MatchedPoints, from_sep005, match_points, read_csv, read_excel, read_frf_files, read_hdf5, read_lvm,
+    read_mat, read_matrices, read_miniseed, read_model, read_npz, read_parquet, read_tdms, read_uff, read_wav,
+    to_sep005, write_csv, write_hdf5, write_mat, write_matrices, write_npz, write_uff
 )
 from .measured.antiresonance_set import AntiresonanceSet
 from .measured.compare import Comparison, compare
@@ -42,6 +42,7 @@ from .planning.detectability import detectability
 from .planning.detection_curves import DetectionCurves
 from .planning.placement import Round
 from .planning.plan import SensorPlan, plan_test
+from .signals.alignment import align
 from .signals.data_check import check_data
 from .signals.frequency_response import FrequencyResponse
 from .signals.one_force import DataCheck, Finding
@@ -66,19 +67,19 @@ __all__ = [
     "Chart", "Comparison", "Constrained", "DamagePenalty", "DamagePrior", "DamageResult", "DataCheck",
     "DetectionCurves", "Fault", "Finding", "FitOptions", "FrameModel", "FrequencyResponse", "FrequencyTable",
     "GroundSpring", "History", "Hypotheses", "Hypothesis", "InternalError", "InvalidInputError", "IslandGA",
-    "LostWorkerError", "MassSpringChain", "MatrixModel", "Mesh", "MissingDependencyError", "ModalSet",
-    "ModalTable", "NodeSpring", "NumericalError", "ObjectiveError", "OptimizeResult", "OutOfMemoryError",
-    "Parameter", "ParameterIntervals", "PointMass", "ProfileLikelihood", "RationalFit", "Recording",
-    "Rectangle", "Reduction", "ReductionReport", "Round", "SampledSet", "SearchOptions", "Section",
-    "SensorPlan", "Series", "SeverityIntervals", "StabilizationDiagram", "TermGroup", "TrackEvent", "Tracks",
-    "Tube", "UnsuitableDataError", "UpdateEnsemble", "UpdateResult", "UpdatingProblem", "Watched",
-    "__version__", "angle", "assess_damage", "cases", "check_data", "compare", "density", "detectability",
-    "diameter", "eliminate_constraints", "explain", "fit_rational", "frf", "from_sep005", "identifiability",
-    "identify_antiresonances", "identify_modes", "identify_series", "inertia", "lagrange_rows", "length",
-    "mass_factor", "merge_setups", "monitor", "plan_test", "point_mass", "position", "read_csv",
-    "read_excel", "read_frf_files", "read_hdf5", "read_lvm", "read_mat", "read_matrices", "read_miniseed",
-    "read_model", "read_npz", "read_parquet", "read_tdms", "read_uff", "read_wav", "stabilization",
-    "stiffness_factor", "stiffness_reduction", "support_stiffness", "thickness", "to_sep005", "track",
-    "transmissibility", "transmissibility_sum", "update", "update_ensemble", "write_csv", "write_hdf5",
-    "write_mat", "write_matrices", "write_npz", "write_uff", "youngs_modulus",
+    "LostWorkerError", "MassSpringChain", "MatchedPoints", "MatrixModel", "Mesh", "MissingDependencyError",
+    "ModalSet", "ModalTable", "NodeSpring", "NumericalError", "ObjectiveError", "OptimizeResult",
+    "OutOfMemoryError", "Parameter", "ParameterIntervals", "PointMass", "ProfileLikelihood", "RationalFit",
+    "Recording", "Rectangle", "Reduction", "ReductionReport", "Round", "SampledSet", "SearchOptions",
+    "Section", "SensorPlan", "Series", "SeverityIntervals", "StabilizationDiagram", "TermGroup", "TrackEvent",
+    "Tracks", "Tube", "UnsuitableDataError", "UpdateEnsemble", "UpdateResult", "UpdatingProblem", "Watched",
+    "__version__", "align", "angle", "assess_damage", "cases", "check_data", "compare", "density",
+    "detectability", "diameter", "eliminate_constraints", "explain", "fit_rational", "frf", "from_sep005",
+    "identifiability", "identify_antiresonances", "identify_modes", "identify_series", "inertia",
+    "lagrange_rows", "length", "mass_factor", "match_points", "merge_setups", "monitor", "plan_test",
+    "point_mass", "position", "read_csv", "read_excel", "read_frf_files", "read_hdf5", "read_lvm", "read_mat",
+    "read_matrices", "read_miniseed", "read_model", "read_npz", "read_parquet", "read_tdms", "read_uff",
+    "read_wav", "stabilization", "stiffness_factor", "stiffness_reduction", "support_stiffness", "thickness",
+    "to_sep005", "track", "transmissibility", "transmissibility_sum", "update", "update_ensemble",
+    "write_csv", "write_hdf5", "write_mat", "write_matrices", "write_npz", "write_uff", "youngs_modulus",
 ]

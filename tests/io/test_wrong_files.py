@@ -258,7 +258,7 @@ MISTAKES = {
     "tdms: another file": raw("a.tdms", b"RIFF", ar.read_tdms),
     "wav: another file": raw("a.wav", b"TDSm" + bytes(40), ar.read_wav),
     "wav: no samples": raw("a.wav", b"RIFF" + bytes(4) + b"WAVE", ar.read_wav),
-    "lvm: no header": raw("a.lvm", b"0\t1\n1\t2\n", ar.read_lvm),
+    "lvm: no header": raw("a.lvm", b"X_Value\ttip\n0\t1\n1\t2\n", ar.read_lvm),
     "lvm: a header without end": raw("a.lvm", b"LabVIEW Measurement\n", ar.read_lvm),
     "lvm: fewer samples than stated": lvm(*SEGMENT, "\t1", "\t2"),
     "lvm: more samples than stated": lvm(*SEGMENT, "\t1", "\t2", "\t3", "\t4"),

@@ -15,7 +15,7 @@ import pytest
 import scipy.linalg
 
 import antires_rs as ar
-from tests.support.measured_data import DATA, needs_southampton
+from tests.support.measured_data import DATA, needs_hits, needs_southampton
 from tests.support.paths import DOCS, ROOT
 
 pytestmark = pytest.mark.usefixtures("quick_pictures")
@@ -83,6 +83,36 @@ def test_the_steps_on_the_command_line_run(tmp_path, monkeypatch, capsys):
     assert ar.DamageResult.load("job_results/result.npz").damaged == [4]
     written = {path.name for path in Path("job_results").iterdir()}
     assert {"report.html", "result.npz", "antiresonances.json", "summary.json", "run.json"} <= written
+
+
+@needs_hits
+def test_the_first_hour_with_a_hammer_runs_as_printed(tmp_path, monkeypatch, capsys):
+    from antires_rs.app.main import main
+
+    monkeypatch.chdir(tmp_path)
+    for file in (DATA / "frame3_hits").glob("*.CSV"):
+        shutil.copy(file, tmp_path)
+    names = {}
+    warnings.simplefilter("ignore", ar.AntiresWarning)
+    for language, block in re.findall(
+        r"```(python|console)\n(.*?)```", (DOCS / "hammer.md").read_text("utf-8"), re.DOTALL
+    ):
+        if language == "python":
+            exec(compile(block, "hammer.md", "exec"), names)
+        for line in block.splitlines() if language == "console" else ():
+            prompt, program, *arguments = line.split()
+            assert (prompt, program) == ("$", "antires")
+            if arguments[0] != "look":  # which waits for its page to be closed
+                assert main(arguments) == 0, capsys.readouterr().err
+    measured = ar.AntiresonanceSet.load("floor2.json")
+    assert [np.abs(measured["CH3"] / hz - 1.0).min() < 0.03 for hz in (5.8, 10.2)] == [True, True]
+    intact = ar.AntiresonanceSet.load("intact.json")
+    frame = ar.MassSpringChain([4.0, 4.0, 3.5], [12e3, 11e3], ground_first_n_per_m=14e3)
+    np.testing.assert_allclose(intact[1], frame.antiresonances(1, 1), rtol=0.005)
+    assert ar.compare(names["known"], names["zeros"]).different
+    said = capsys.readouterr().out
+    assert "hit_10.csv: ALARM" in said
+    assert "hit_11.csv: ALARM" in said
 
 
 def names_of(listing):

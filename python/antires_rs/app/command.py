@@ -8,6 +8,7 @@ import sys
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from .parser import complain, parser, printable
 def run(argv: Sequence[str] | None) -> int:
     """Carry out a command; everything but Ctrl-C becomes an exit code here."""
     args = parser().parse_args(argv)
+    _of_job.set(hasattr(args, "job"))
     with warnings.catch_warnings():
         warnings.simplefilter("always", AntiresWarning)
         warnings.showwarning = _warn  # type: ignore[assignment]
@@ -32,20 +34,32 @@ def run(argv: Sequence[str] | None) -> int:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return 1
         except (AntiresError, OSError) as exc:
-            complain(exc)
+            complain(shell_words(str(exc)))
             return 2 if isinstance(exc, InvalidInputError) and not isinstance(exc, UnsuitableDataError) else 1
 
 
 def _warn(message: Warning | str, category: type[Warning], filename: str, lineno: int, *_: Any) -> None:
     """One line for each thing that a warning of ours says; others as Python has them."""
     if issubclass(category, AntiresWarning):
-        for said in str(message).splitlines():
+        for said in shell_words(str(message)).splitlines():
             print(printable(f"antires: warning: {said}"), file=sys.stderr)
     else:
         print(warnings.formatwarning(message, category, filename, lineno), end="", file=sys.stderr)
 
 
 # -- What commands share: where they speak, and how they name their arguments
+
+_of_job: ContextVar[bool] = ContextVar("_of_job", default=False)
+
+
+def shell_words(text: str) -> str:
+    """A text of the library without the words of Python: arguments as the job, or the command, has them."""
+    if "=" not in text and " see ." not in text:
+        return text
+    from .job import Job, spelled
+    from .reading import Call
+
+    return spelled(text, Job.spelled if _of_job.get() else Call.spelled)
 
 
 def say(text: str) -> None:
@@ -62,7 +76,7 @@ def hint(text: str) -> None:
 
 def show(as_json: bool, data: Any, text: object) -> None:
     """What a command found, on standard output: numbers for machines, or the text."""
-    print(json.dumps(data, indent=1, allow_nan=False) if as_json else printable(text))
+    print(json.dumps(data, indent=1, allow_nan=False) if as_json else printable(shell_words(str(text))))
 
 
 def new_file(option: str, file: Path | None, *endings: str) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from ast import literal_eval
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
@@ -131,7 +132,25 @@ def _label(place: KeyPath) -> str:
 
 
 #: How a channel is left out in a job and on the command line.
+_OWN_SECTION: Any = {"model": ("model",), "measured": ("data",)}  # arguments that are a section of a job
 LEAVE_OUT = "Give it a dof, or leave it out: false in a job, CHANNEL= on the command line"
+#: How an argument is written, alone or with the value to be passed.
+Spell = Callable[[str, Any], str]
+#: As texts have it for who calls from Python: ``fs_hz=``, ``first='time'``; a channel left out; an attribute.
+_PASSED = re.compile(r"""\b(\w+)=(?:('[^']*'|"[^"]*"|\d+|True)|(?![\w{([]))""")
+_LEFT_OUT = re.compile(r"Map a \w+ to None to leave it out")
+_ATTRIBUTE = re.compile(r",? (?:or )?see \.\w+")
+_KEYS = {key.name for section in SECTIONS.values() for key in section.keys}
+
+
+def spelled(text: str, spell: Spell) -> str:
+    """A text for who calls from Python, as the user of a job or of a command would write it."""
+
+    def respelled(found: re.Match[str]) -> str:
+        name, value = found.groups()
+        return spell(name, value and literal_eval(value)) if name in _KEYS else found[0]
+
+    return _LEFT_OUT.sub(LEAVE_OUT, _PASSED.sub(respelled, _ATTRIBUTE.sub("", text)))
 
 
 class Job:
@@ -308,13 +327,14 @@ class Job:
             if isinstance(exc.argument, Place):  # blamed already
                 raise
             name, *steps = exc.path
-            at = (elsewhere or {}).get(name, (*place, name))
+            at = {**_OWN_SECTION, **(elsewhere or {})}.get(name, (*place, name))
             if isinstance(at, list):
                 at, steps = (at[steps[0]], steps[1:]) if steps else (place, steps)
-            remedy, about = exc.remedy, self.belongs(at)
+            wanted, remedy = (spelled(text, self.spelled) for text in (exc.wanted, exc.remedy))
+            about = self.belongs(at)
             if about not in remedy:
                 remedy += f" What belongs here: {about}"
-            raise type(exc)(self.where((*at, *steps)), exc.got, exc.wanted, remedy) from exc
+            raise type(exc)(self.where((*at, *steps)), exc.got, wanted, remedy) from exc
 
 
 def read_job(path: str | os.PathLike[str]) -> Job:

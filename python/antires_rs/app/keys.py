@@ -159,8 +159,10 @@ fs_hz (number of arrays csv tdms lvm excel parquet, --fs HZ): Sampling rate in H
 kind (word of responses, --kind WORD): "frf" or "transmissibility" (for UFF also "time" and "spectra"): what
     to read where a file does not tell or holds several.
 reference (dof of responses, --reference DOF): Reference of transmissibilities.
-responses (texts of arrays records folder, --responses NAME ...): Arrays or channels of the responses; *
-    stands for anything.
+responses (texts of arrays columns records folder, --responses NAME ...): Arrays, columns or channels of the
+    responses; * stands for anything.
+align (switch of arrays columns, --align) = false: Whether the file, and those of repeats, are sensors of one
+    test that have a clock each: they are joined by their instants, and samples that were missed made up.
 time (text of arrays): Array of time in s.
 freq (text of arrays folder): Array of frequencies in Hz.
 df_hz (number of arrays columns folder, --df HZ): Spacing in Hz of FRFs from 0 Hz on, where the file has no

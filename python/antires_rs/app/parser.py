@@ -141,7 +141,7 @@ def argument(use: str, about: str, **how: Any) -> Row:
     flags = [word for word in words if word.startswith("--")] or words[:1]
     values = [word for word in words[len(flags) :] if word not in ("!", "...")]
     if not values:
-        return flags, {"help": about, "action": "store_true"}
+        return flags, {"help": about, "action": "store_true"} | how
     first, _, least = values[0].rstrip("?*+").partition(">=")
     if first.startswith("{"):
         how = one_of(first[1:-1].split(",")) | how
@@ -273,7 +273,9 @@ _HELP = {  #: What the help says of an argument that it does not take from the s
     "that act at once as in 0,4",
     "force": "channel of the force",
     "dofs": "name a channel's dof, or leave it out by CHANNEL=; once for each channel",
-    "responses": "array or channel of the responses, * for any text; once for each (default: all)",
+    "align": "the files are sensors of one test with a clock each: join them by their columns of time, and "
+    "make up missed samples; named by what differs between the files",
+    "responses": "array, column or channel of the responses, * for any text; once for each (default: all)",
     "roving": "the sensor that stayed while the hammer roved: of a universal file with all hits, or of "
     "several files, a hit each, which are identified one by one and joined",
 }
@@ -294,6 +296,8 @@ def measurement_rows(needed: Sequence[str] = (), without: Sequence[str] = ()) ->
                 how |= one_of(key.words)
             elif key.name == "format":
                 how |= one_of(list(ENDINGS))
+            elif " " not in key.flag:
+                how["default"] = None  # a switch that is not given says nothing
             yield argument(key.flag, _HELP.get(key.name, small(key.help).removesuffix(".")), **how)
     if "hit" in without:
         return

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import argparse
 import re
-from ast import literal_eval
-from collections.abc import Callable, Container, Mapping
+import warnings
+from collections.abc import Callable, Container, Iterator, Mapping
+from contextlib import contextmanager
+from copy import copy
+from dataclasses import replace
 from inspect import signature
 from pathlib import Path
 from typing import Any, NoReturn
 
 from .. import io
 from ..damage.options import ONE_STATE, TWO_STATES, options_with
-from ..exceptions import InvalidInputError, reject
+from ..exceptions import AntiresWarning, InvalidInputError, reject
 from ..identification.identify import Hit, identify_antiresonances, identify_roving
 from ..identification.minors import MinorResponse, minors_of_curves
 from ..identification.modes import identify_modes
@@ -20,18 +23,19 @@ from ..identification.options import sorted_out
 from ..io.channels import renamed
 from ..io.common import Signal
 from ..io.own_format import relabelled
-from ..io.registry import CONVERT, READERS
+from ..io.registry import CONVERT, READERS, differences
 from ..io.uff import as_point, force_of, label_of
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models.structural_model import StructuralModel
+from ..signals.alignment import align
 from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.repeats import one_source
 from ..support.messages import EDIT_WANTED, edit_named, some, warn
 from .arguments import dof_finder
 from .command import existing, say
-from .job import LEAVE_OUT, Job, KeyPath, Place
-from .keys import DATA, FOLDER, IDENTIFICATION, SIGNAL_ENDINGS, format_of, shown
+from .job import Job, KeyPath, Place, Spell, spelled
+from .keys import DATA, FOLDER, IDENTIFICATION, SECTIONS, SIGNAL_ENDINGS, format_of, shown
 from .parser import nearest
 
 # -- One file: its signal, whatever its format
@@ -39,23 +43,6 @@ from .parser import nearest
 _READERS: dict[str, Callable[..., Signal]] = {**READERS, FOLDER: io.read_frf_files}
 #: Keys of [data] that are not a reader's.
 _OURS = {"file", "repeats", "format", "excitation", "band_hz", "dofs", "drop", "add"}
-
-
-#: How an argument of a reader is written, alone or with the value to be passed.
-Spell = Callable[[str, Any], str]
-#: As texts of errors have it for who calls from Python: ``fs_hz=``, ``first='time'``; and a channel left out.
-_PASSED = re.compile(r"""\b(\w+)=(?:('[^']*'|"[^"]*"|\d+|True)|(?![\w{([]))""")
-_LEFT_OUT = re.compile(r"Map a \w+ to None to leave it out")
-
-
-def spelled(text: str, spell: Spell) -> str:
-    """A text for who calls from Python, as the user of a job or of a command would write it."""
-
-    def respelled(found: re.Match[str]) -> str:
-        name, value = found.groups()
-        return spell(name, value and literal_eval(value)) if DATA.key(name) else found[0]
-
-    return _LEFT_OUT.sub(LEAVE_OUT, _PASSED.sub(respelled, text))
 
 
 def read_signal(file: Path, kind: str, options: Mapping[str, Any], spell: Spell = Job.spelled) -> Signal:
@@ -86,8 +73,17 @@ def read_signal(file: Path, kind: str, options: Mapping[str, Any], spell: Spell 
             return signal
         names = [str(name) if named else name for name in signal.dofs]
         for name in (name for name in dofs if named and name not in [*names, *left_out]):
-            reject("dofs", f"{name!r}, which is no channel", f"names out of {names}", "Correct or remove it.")
-        return relabelled(signal, renamed("dofs", names, dofs))
+            reject(
+                "dofs",
+                f"{name!r}, which is no channel of {file.name}",
+                f"names out of {names}",
+                "Correct or remove it.",
+            )
+        # What a table does not name keeps its name.
+        return relabelled(
+            signal,
+            renamed("dofs", names, {**dict(zip(names, names, strict=True)), **dofs} if named else dofs),
+        )
     except InvalidInputError as exc:
         texts = (spelled(text, spell) for text in (exc.wanted, exc.remedy))
         raise type(exc)(exc.argument, exc.got, *texts) from exc
@@ -132,10 +128,12 @@ class Measurement:
         job.only(place, table, self.kind)
         self._find = dof_finder(job, model)
         self._dofs: Any = table.get("dofs")
+        self._names: dict[int, str] = {}  # what the user calls dofs of the model
         if self._dofs is not None:
             named = isinstance(self._dofs, dict)
             given = self._dofs.items() if named else enumerate(self._dofs)
             found = {key: self._find((*place, "dofs", key), dof) for key, dof in given}
+            self._names |= {dof: key for key, dof in found.items() if named and type(dof) is int}
             self._dofs = found if named else list(found.values())
         say(f"reading {self.file.name}" + (f" and {len(self.repeats)} more" if self.repeats else ""))
         if self.kind != "antiresonances":
@@ -145,17 +143,22 @@ class Measurement:
         job, place = self.job, self.place
         job.check_data(place, self.table)
         options = self.table if self._dofs is None else {**self.table, "dofs": self._dofs}
+        joins = bool(options.get("align"))
         signals = []
         for at, path in zip(self.places, (self.file, *self.repeats), strict=True):
-            with job.blame(place, {"path": at, "files": at, "signal": at}):
-                signal = read_signal(path, self.kind, options, job.spelled)
-            signals.append(self._at_dofs(signal))
+            of_file = ("path", "files", "signal", *(("dofs", "responses") if at[0] == "damage" else ()))
+            with job.blame(place, dict.fromkeys(of_file, at)):  # a baseline that lacks a channel is at fault
+                alone = {name: value for name, value in options.items() if name != "dofs" or not joins}
+                signal = read_signal(path, self.kind, alone, job.spelled)
+            signals.append(signal if joins else self._at_dofs(signal))
         known = {*(self._dofs if isinstance(self._dofs, dict) else ()), *signals[0].dofs}
         forces = places_of(self.table.get("excitation", ()), known)
-        with job.blame(place, {"source": self.places}):
+        with job.blame(place, {"source": self.places, "records": self.places}):
             # Curves of several forces are of one each.
-            curves = len(forces) > 1 and isinstance(signals[0], FrequencyResponse)
-            self.signal = minors_of_curves(signals, len(forces)) if curves else one_source(signals)
+            if len(forces) > 1 and isinstance(signals[0], FrequencyResponse):
+                self.signal = minors_of_curves(signals, len(forces))
+            else:
+                self.signal = self._at_dofs(self._aligned(signals)) if joins else one_source(signals)
         job.check_data(place, self.table, self.signal)
         if "excitation" not in self.table:  # modes do not ask for it
             return
@@ -188,6 +191,25 @@ class Measurement:
             options = self.job.sections["identification"]
             return identify_modes(self.signal, band_hz=self.table["band_hz"], **options)
 
+    def _aligned(self, sensors: list[Any]) -> Signal:
+        """Sensors with a file each as one record; channels of one name are called by what differs in the files."""
+        names = [dof for rec in sensors for dof in rec.dofs]
+        if len(set(names)) < len(names):
+            stems = differences([path.stem for path in (self.file, *self.repeats)])
+            names = [
+                stem if rec.n_channels == 1 else f"{stem} {dof}"
+                for stem, rec in zip(stems, sensors, strict=True)
+                for dof in rec.dofs
+            ]
+        joined, dofs = align(sensors, dofs=names), self._dofs
+        if isinstance(dofs, dict):
+            names = [str(name) for name in names]
+            dofs = {
+                **dict(zip(names, names, strict=True)),
+                **{k: None if v is False else v for k, v in dofs.items()},
+            }
+        return joined if dofs is None else relabelled(joined, renamed("dofs", names, dofs))
+
     def identified(self) -> Measurement:
         """The same, with its antiresonances, edited as the table says."""
         if self.signal is None:
@@ -200,14 +222,46 @@ class Measurement:
             if "dofs" in chosen:
                 chosen["dofs"] = [self._each(("identification", "dofs"), dof) for dof in chosen["dofs"]]
             given = {"excitation": self.force, "band_hz": self.table["band_hz"], **sorted_out(chosen)}
-            with self.job.blame(self.place, {"source": self.places[0], **OPTIONS}):
+            with self.job.blame(self.place, {"source": self.places[0], **OPTIONS}), self._warned_by_name():
                 found = identify_antiresonances(self.signal, **given)
+            found = self._checked_by_name(found)
         self.found = edited(self.job, self.place, self.table, found, self._find)
         return self
 
     def _each(self, at: KeyPath, dof: Any) -> Any:
         """A dof, or each of several."""
         return [self._find(at, one) for one in dof] if isinstance(dof, list) else self._find(at, dof)
+
+    def _by_name(self, text: str) -> str:
+        """A text on dofs of the model with what the user calls them."""
+
+        def named(found: re.Match[str]) -> str:
+            return found[1] + re.sub(r"\d+", lambda n: repr(self._names.get(int(n[0]), int(n[0]))), found[2])
+
+        return _DOFS.sub(named, text) if self._names else text
+
+    @contextmanager
+    def _warned_by_name(self) -> Iterator[None]:
+        with warnings.catch_warnings(record=True) as heard:
+            warnings.simplefilter("always", AntiresWarning)
+            yield
+        for each in heard:
+            one = each.message
+            if isinstance(one, AntiresWarning):
+                one = AntiresWarning(self._by_name(one.text), one.about)
+            warnings.warn_explicit(one, each.category, each.filename, each.lineno)
+
+    def _checked_by_name(self, found: AntiresonanceSet) -> AntiresonanceSet:
+        check = found.data_check
+        if check is None or not self._names:
+            return found
+        words = ("text", "advice", "brief")
+        findings = [
+            replace(f, **{word: self._by_name(getattr(f, word)) for word in words}) for f in check.findings
+        ]
+        named = copy(found)
+        named._fill(data_check=replace(check, findings=tuple(findings)))
+        return named
 
     def _at_dofs(self, signal: Signal) -> Signal:
         """The signal with every channel at a dof of the model."""
@@ -260,6 +314,8 @@ def places_of(given: Any, known: Container[Any] = ()) -> list[Any]:
     names = [name.strip() for name in given.split(",")]
     return [int(name) if name.isdecimal() else name for name in names]
 
+
+_DOFS = re.compile(r"\b((?:[Dd]ofs?|[Cc]hannels?) )(\d+(?:(?:, | and | or )\d+)*)")
 
 #: Keys of values that are dropped and added by hand, and what each does.
 EDITS: dict[str, Any] = {"drop": AntiresonanceSet.drop, "add": AntiresonanceSet.add}
@@ -318,6 +374,14 @@ def read_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
 def measured_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
     """Read and identify every [data] of a job."""
     measured = [each.identified() for each in read_of(job, model)]
+    if model is not None and not any(values.size for each in measured for values in each.found.values()):
+        low, high = job.data[0].get("band_hz", (0.0, 0.0))
+        seen = measured[0].found.data_check
+        noise = seen is not None and {"dead_channel", "signal_to_noise"} & {f.name for f in seen.findings}
+        got = f"no antiresonance in {low:g}-{high:g} Hz" if high else "no antiresonance"
+        got += "; the channels hold noise there" if noise else ""
+        remedy = "Choose another band_hz; 'antires look' shows the curves."
+        job.reject((*job.data_places[0], "band_hz" if high else "file"), got, "a band with some", remedy)
     if job.sections["identification"] and all(each.signal is None for each in measured):
         got = "options beside files that hold antiresonances already"
         wanted = "a measurement to be identified"
@@ -420,6 +484,7 @@ _OF_FILES = ("file", "path", "files", "signal", "source", "sets")
 #: Options of the command line by keys of a job.
 _FLAGS = {key.name: key.flag.split()[0] for key in (*DATA.keys, *IDENTIFICATION.keys) if key.flag}
 _FLAGS |= {name: f"--{name}" for name in EDITS}
+_OTHERS = ("damage", "updating", "search")  # sections of jobs whose keys no command has
 
 
 class Call(Job):
@@ -510,8 +575,9 @@ class Call(Job):
     @staticmethod
     def spelled(name: str, value: Any) -> str:
         """An argument of a reader as this command has it; those it lacks a job has."""
-        flag = _FLAGS.get(name, f"{name} (in a job)")
-        return flag if value is None else f"{flag} {value}"
+        section = next((part for part in _OTHERS if SECTIONS[part].key(name)), "")
+        flag = _FLAGS.get(name, f"{name} in [{section}]" if section else f"{name} (in a job)")
+        return flag if value is None or value is True else f"{flag} {value}"
 
 
 _FILE: KeyPath = ("data", "file")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import time
 import warnings
 from collections.abc import Mapping
@@ -19,20 +20,23 @@ from ..figures.sets import plot_tracks
 from ..io.common import Signal
 from ..io.registry import ENDINGS, natural
 from ..measured.track import Tracks
+from ..signals.alignment import align
+from ..signals.recording import Recording
 from ..support.files import write_atomically
 from ..watch.conditions import condition_table
 from ..watch.identify_series import identify_series
-from ..watch.monitor import Watched, monitor
+from ..watch.monitor import LEAST, Watched, monitor
 from ..watch.series import Series
 from ..watch.sources import is_measurement
 from ..watch.store import LastingStore
 from .command import arguments, existing, hint, say, show
-from .job import Job, read_job
+from .job import Job, Spell, read_job
 from .keys import FOLDER, format_of, shown
 from .parser import printable
-from .reading import EDITS, OPTIONS, Call, Spell, places_of, read_signal
+from .reading import EDITS, OPTIONS, Call, places_of, read_signal
 from .run import RunFolder, picture_name, write_json
 
+_OF_A_FILE = re.compile(r"^\w+: got '[^']*', ")  # what an error of a file begins with, which its line names
 LEAST_SHARE = 0.3  # tracks that fewer of the tests have are not drawn
 
 
@@ -47,7 +51,8 @@ class JobReader:
     def __call__(self, file: Path) -> Signal:
         """The signal of a file."""
         kind = FOLDER if file.is_dir() else format_of(file.name, self.table.get("format"))
-        return read_signal(file, kind or "", self.table, self.spell)
+        signal = read_signal(file, kind or "", self.table, self.spell)
+        return align([signal]) if self.table.get("align") and isinstance(signal, Recording) else signal
 
 
 def series(args: argparse.Namespace) -> int:
@@ -242,7 +247,7 @@ def watch(args: argparse.Namespace) -> int:
                     judged = files
                     teller.tell(series)
             if args.once and not arrivals.growing:
-                return 0
+                return 1 if teller.without_baseline else 0
             # a file that grows is looked at again when it should be complete.
             time.sleep(min(args.every, SETTLED_S) if arrivals.growing else args.every)
     except KeyboardInterrupt:
@@ -280,6 +285,7 @@ class _Teller:
         self._told = Told(args.out / "told.txt")
         self._warned = False
         self._said = ""
+        self.without_baseline = False  # too many of its tests failed
 
     def say_once(self, text: str) -> None:
         """Print, unless that was the last word."""
@@ -289,13 +295,21 @@ class _Teller:
 
     def tell(self, series: Series) -> None:
         """Judge all tests, print what is new, write the page."""
-        self._said = ""
         count, wanted = len(series), self._args.baseline
         for i, why in series.failed.items():
             if min(i, count - 1) < wanted:
                 self._told.tell(series.names[i], _line_of(series.names[i], f"failed, {why}"))
         if count < wanted:
             print(f"{count} of {wanted} baseline tests, {len(series.failed)} failed", flush=True)
+            return
+        failed = [i for i in series.failed if i < wanted]
+        self.without_baseline = wanted - len(failed) < LEAST
+        if self.without_baseline:
+            why = _OF_A_FILE.sub("", series.failed[failed[0]])
+            self.say_once(
+                f"{len(failed)} of {wanted} baseline files not read or identified; "
+                f"{series.names[failed[0]]}: {why}"
+            )
             return
         with warnings.catch_warnings():
             if self._warned:

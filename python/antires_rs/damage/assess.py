@@ -313,10 +313,10 @@ class DamageResult(Answered, UpdateResult):
         penalty = self.problem.penalty
         notes = [
             "Without a baseline every error of the model may come out as damage: give the values of the "
-            "intact structure as baseline=, or see .probability."
+            "intact structure as a baseline."
         ]
         if seen := self._visible():
-            why = f": {penalty.text} outweigh what its damage explains." if penalty else "."
+            why = f": the damage penalty ({penalty.text}) hides damage this small." if penalty else "."
             less = f"An element with less than its own limit counts as undamaged{why}"
             notes.append(f"Smallest damage that would be seen: {seen}. {less}")
         if penalty is not None and penalty.snap > 0:

@@ -291,7 +291,7 @@ _LOST, _MOST_LOST = 0.8, 4
 
 _CAVEAT = (
     "Without a baseline an error of the model comes out as damage, and the values cannot tell which it is: "
-    "give the values of the intact structure as baseline=."
+    "give the values of the intact structure as a baseline."
 )
 _NO_BEFORE = "Without a baseline it is not known what was there before; errors of the model may hide damage."
 
@@ -340,8 +340,8 @@ def reservations(found: Assessment) -> list[str]:
     spare = matched - len(found.best.severities)
     notes = {
         "Without a baseline every error of the model counts as damage. The probabilities assume stiffnesses "
-        f"and masses within about {figure(found.factor_std)}; give the values of the intact structure as "
-        "baseline= to have the model's errors taken out.": not found.baseline,
+        f"and masses within about {figure(found.factor_std)}; a baseline, the values of the intact structure, "
+        "takes the model's errors out.": not found.baseline,
         "No value of now has a partner in the model: there is no chi-square, and nothing tells whether the "
         "answer holds. Compare the bands and dofs of both tests.": not matched,
         f"The most probable hypothesis does not explain the values (reduced chi-square {found.chi_square:.1f}"
@@ -350,11 +350,8 @@ def reservations(found: Assessment) -> list[str]:
         ),
         f"{lost} of {found.n_values} values {'has' if lost == 1 else 'have'} no partner in the model: new or "
         "false.": lost and matched,
-        f"Only {matched} value{'s are' if matched != 1 else ' is'} compared, {max(spare, 0)} more than there "
-        "are losses to tell: the answer rests on what the prior says of how many elements are damaged, and "
-        "hardly anything is left to check it by. Measure at more dofs, or in a wider band.": (
-            found.n_values and spare < _FEW
-        ),
+        f"{matched} value{'s' * (matched != 1)} {'cannot' if matched <= _FEW // 2 else 'hardly'} locate"
+        " damage. Measure at more dofs, or in a wider band.": (found.n_values and spare < _FEW),
         f"The model predicts changes to about {figure(found.kappa)}: it explained the baseline to "
         f"{figure(found.root_std)}.": found.baseline and found.kappa > 0.0,
         "One test of the intact structure: how far values scatter from test to test is not known, their own "

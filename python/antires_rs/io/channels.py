@@ -37,7 +37,9 @@ class Channel:
     role: str = ""  # "force" where the file states it
 
 
-def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, given: Reading) -> Recording:
+def recording_of(
+    path: Path, channels: Sequence[Channel], fs_hz: float, given: Reading, time_s: Any = None
+) -> Recording:
     """The recording, in SI; a force is what the file calls so by role or unit, or ``given.force`` names."""
     units = {id(c): _unit(path, c) for c in channels}
     forces = [c for c in channels if c.role == "force" or units[id(c)].quantity == "force"]
@@ -56,13 +58,15 @@ def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, given: R
         unsuitable(path, f"with channels of {sorted(lengths)} samples", "channels of one length", remedy)
     if given.unit is not None:  # which is that of the responses
         units |= {id(c): Unit.named(given.unit) for c in used}
-    else:
-        for unit in sorted({c.unit for c in used}):
-            unit_or_warning(path, unit)
-    one_quantity(path, [(repr(c.name), units[id(c)].quantity, f"in {c.unit or 'no unit'}") for c in used])
+    kinds = [(repr(c.name), units[id(c)].quantity, f"in {c.unit or 'no unit'}") for c in used]
+    remedy = "Leave out those of other kinds by responses= or dofs=, name the hammer by force=, or the unit= "
+    remedy += "of all."
+    one_quantity(path, kinds, remedy)
+    for unit in sorted({c.unit for c in used}) if given.unit is None else ():
+        unit_or_warning(path, unit)
     values = np.stack([units[id(c)].in_si(c.values) for c in used])
     pushed = None if force is None else units[id(force)].in_si(force.values)
-    return Recording(values, fs_hz, [labels[i] for i in rows], pushed)
+    return Recording(values, fs_hz, [labels[i] for i in rows], pushed, time_s)
 
 
 def response_of(
@@ -86,14 +90,14 @@ def stated_recording(file: Path, channels: Sequence[Channel], given: Reading) ->
     instants = [c for c in channels if c.step_s is None and c.name.rpartition("/")[2].lower() in _TIME]
     rest = [c for c in channels if c not in instants]
     forces = [c for c in rest if c.name == given.force or c.name.lower() == "force"]
-    chosen = rest if given.responses is None else [*_named(file, rest, given.responses), *forces]
-    chosen = list({id(c): c for c in chosen}.values())
-    if not chosen:
+    used = rest if given.responses is None else [*chosen(file, rest, given), *forces]
+    used = list({id(c): c for c in used}.values())
+    if not used:
         unsuitable(file, "without a channel of numbers", "at least one channel of samples")
-    rate = _rate(file, chosen, instants, given)
-    first = chosen[0]
+    rate = _rate(file, used, instants, given)
+    first = used[0]
     begun = (first.start, round(first.offset_s, 9))
-    other = next((c for c in chosen if (c.start, round(c.offset_s, 9)) != begun), None)
+    other = next((c for c in used if (c.start, round(c.offset_s, 9)) != begun), None)
     if other is not None:
         names = " and ".join(
             f"{c.name!r} from {c.start or 'the start'} + {c.offset_s:g} s" for c in (first, other)
@@ -101,17 +105,21 @@ def stated_recording(file: Path, channels: Sequence[Channel], given: Reading) ->
         unsuitable(
             file, f"with {names}", "channels that begin together", "Name the responses= of one record."
         )
-    if given.unit is None and not any(c.unit for c in chosen):
+    if given.unit is None and not any(c.unit for c in used):
         said = "does not say in which unit its channels are; the values are as in the file"
         warn("no_unit", f"path: {str(file)!r} {said}. Name it by unit=.")
-    made = [replace(c, role="force" if c in forces and given.force is not None else "") for c in chosen]
+    made = [replace(c, role="force" if c in forces and given.force is not None else "") for c in used]
     return recording_of(file, made, rate, given)
 
 
-def _named(file: Path, channels: Sequence[Channel], responses: Any) -> list[Channel]:
-    found = []
+def chosen(file: Path, channels: Sequence[Channel], given: Reading) -> list[Channel]:
+    """The channels that ``given.responses`` means, in that order, and a force; all without it."""
+    responses, found = given.responses, list(channels)
+    if responses is None:
+        return found
+    found = [c for c in channels if c.role == "force" or c.name == given.force]
     for pattern in [responses] if shape_of(responses) == () else list(responses):
-        hits = [c for c in channels if isinstance(pattern, str) and matches(c.name, pattern)]
+        hits = [c for c in channels if isinstance(pattern, str) and matches(str(c.name), pattern)]
         if not hits:
             wanted = f"channels of {str(file)!r}: {some((repr(c.name) for c in channels), 20)}"
             reject("responses", repr(pattern), wanted, "Correct the name or pattern.")
@@ -149,11 +157,14 @@ def rate_of_step(step_s: float) -> float:
     return simplest_rate((1.0 - 1e-12) / step_s, (1.0 + 1e-12) / step_s)
 
 
-def one_quantity(path: Path, found: Sequence[tuple[str, str, str]]) -> None:
+def one_quantity(
+    path: Path,
+    found: Sequence[tuple[str, str, str]],
+    remedy: str = "Leave out those of other kinds by dofs=, or name the unit= of all.",
+) -> None:
     """Refuse accelerations beside displacements; ``found`` has name, quantity and unit of each channel."""
     if len({quantity for _, quantity, _ in found}) > 1:
         got = "with responses of several kinds, " + ", ".join(f"{name} {unit}" for name, _, unit in found)
-        remedy = "Leave out those of other kinds by dofs=, or name the unit= of all."
         unsuitable(path, got, "accelerations, velocities or displacements alone", remedy)
 
 

@@ -20,6 +20,7 @@ from ..support.messages import warn
 _PARTS, _DRIFT = 32, 1e-3
 _EVEN = "instants in s, evenly spaced and ascending"
 _INSTANTS = "Resample it, cut out an even part, or leave the instants out and pass the rate."
+TO_ALIGN = "Read it with align=True and resample it by align, or cut out an even part."
 
 BYTES_OF_DOF = 512  # of a model, whatever its matrices hold: 300 are taken, and some microseconds
 
@@ -131,20 +132,30 @@ def simplest_rate(low: float, high: float) -> float:
     return min(key(rate, rate), key(step, 1.0 / step))[2]
 
 
-def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
+def usual_rate(path: Path, times: Any) -> float:
+    """Sampling rate of instants in s with gaps: that of the usual step."""
+    steps = np.diff(times)
+    if not steps.size or not np.isfinite(times).all() or steps.min() <= 0.0:
+        unsuitable(path, "whose time does not ascend", "instants that ascend", _INSTANTS)
+    usual = float(np.median(steps))
+    rate = 1.0 / float(np.mean(steps[steps < 1.5 * usual]))
+    return simplest_rate((1.0 - 1e-9) * rate, (1.0 + 1e-9) * rate)
+
+
+def rate_of(path: Path, times: Any, *, digits: float = 1e-9, remedy: str = _INSTANTS) -> float:
     """Sampling rate of even instants in s, the simplest their rounding allows; gaps are refused."""
     if times.size < 2 or not np.isfinite(times).all():
-        unsuitable(path, f"whose {times.size} instants are too few or not finite", _EVEN, _INSTANTS)
+        unsuitable(path, f"whose {times.size} instants are too few or not finite", _EVEN, remedy)
     span, rounding = float(times[-1] - times[0]), digits * float(np.abs(times).max())
     step = span / (times.size - 1)
     if span <= 0.0:
-        unsuitable(path, "whose time does not ascend", _EVEN, _INSTANTS)
+        unsuitable(path, "whose time does not ascend", _EVEN, remedy)
     # A lost sample moves its neighbour by a whole step; a tenth is jitter no writer makes by rounding.
     late = np.flatnonzero(np.abs(np.diff(times) - step) > max(0.1 * step, 2.0 * rounding))
     if late.size:
         i = int(late[0])
         found = f"with {times[i]:.9g} s followed by {times[i + 1]:.9g} s after steps of {step:.6g} s"
-        unsuitable(path, f"{found} ({late.size} such gaps)", _EVEN, _INSTANTS)
+        unsuitable(path, f"{found} ({late.size} such gaps)", _EVEN, remedy)
     # Steps may also change in the course of the record, each by less than counts as a gap. Jitter of single
     # instants averages out over a part; its two ends have at most a tenth of a step each.
     width = max(times.size // _PARTS, 16)
@@ -155,6 +166,6 @@ def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
         i = int(np.argmax(odd))
         where = f"from {times[edges[i]]:.9g} to {times[edges[i + 1]]:.9g} s"
         found = f"whose rate drifts: steps are {steps[i]:.6g} s on average {where}, and {step:.6g} s in all"
-        unsuitable(path, found, _EVEN, _INSTANTS)
+        unsuitable(path, found, _EVEN, remedy)
     count = times.size - 1
     return simplest_rate(count / (span + 2.0 * rounding), count / max(span - 2.0 * rounding, 0.5 * span))

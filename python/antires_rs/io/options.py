@@ -40,6 +40,7 @@ class Reading:
     pairs: str | None = None
     freq_hz: Any = None
     df_hz: float | None = None
+    align: bool = False
 
     @property
     def rate_hz(self) -> float | None:
@@ -77,6 +78,7 @@ class OverEither(Named, total=False):
     reference: Any
     freq_hz: Any
     df_hz: float | None
+    align: bool
 
 
 class OfArrays(OverEither, total=False):
@@ -90,6 +92,7 @@ class OfArrays(OverEither, total=False):
 class OfColumns(OverEither, total=False):
     """Options for tables."""
 
+    responses: Any
     first: str | None
     pairs: str | None
 
@@ -121,6 +124,8 @@ freq_hz : (n_freq,), optional
     frequency.
 df_hz : float, optional
     Their spacing from 0 Hz on, in place of ``freq_hz``.
+align : bool
+    Take gaps and jitter in the time as they are. Only :func:`align` uses a record with gaps.
 partial : bool
     Read what is whole of a file that was cut, with a warning that counts what is missing.
 time_limit_s, memory_limit_gb : float

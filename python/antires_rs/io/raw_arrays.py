@@ -18,7 +18,7 @@ from ..support.checks import FloatArray, finite_scalar, shape_of
 from ..support.messages import some, warn
 from ._child import matches
 from .channels import Channel, rate_of_step, recording_of, response_of, warn_other_rate
-from .common import Signal, rate_of, refuse_real, unsuitable
+from .common import TO_ALIGN, Signal, rate_of, refuse_real, unsuitable, usual_rate
 from .options import Reading
 from .units import Unit, abscissa_factor, is_abscissa
 
@@ -43,6 +43,16 @@ def given_lines(path: Path, given: Reading, count: int) -> FloatArray:
         found, wanted = f"with {count} values of each response", f"{lines.size}, one for each of freq_hz"
         unsuitable(path, found, wanted, "Give the frequencies of this file.")
     return lines
+
+
+def lines_of_axis(values: Any) -> FloatArray | None:
+    """A column as frequencies if it can be nothing else: real, not negative, ascending in even steps."""
+    if values.size < 8 or np.any(np.imag(values)):
+        return None
+    lines = np.real(values).astype(np.float64)
+    steps = np.diff(lines)
+    even = steps.min() > 0.0 and float(np.ptp(steps)) <= 1e-3 * float(steps.mean())
+    return lines if even and lines[0] >= 0.0 else None
 
 
 # -- What a file says of its arrays beside them: attributes of HDF5, texts and numbers in fields of structs
@@ -194,6 +204,9 @@ class _Bag:
     def signal(self) -> Signal:
         """What the arrays are."""
         given = self.given
+        own = self._axis_within()
+        if own is not None and given.responses is None and given.freq is None:
+            return self._over_own_axis(*own)
         if given.freq_hz is not None or given.df_hz is not None:
             if given.freq is not None:
                 reject("freq", repr(given.freq), "no name beside freq_hz or df_hz", "Leave one of them out.")
@@ -209,6 +222,29 @@ class _Bag:
         if freq is None:
             return self._recording(time)
         return self._response(freq)
+
+    def _axis_within(self) -> tuple[str, FloatArray] | None:
+        """The only complex matrix, if its first row is a frequency; and that row."""
+        found = [n for n, rows in self.numeric.items() if len(rows) > 1 and np.iscomplexobj(rows)]
+        lines = lines_of_axis(self.numeric[found[0]][0]) if len(found) == 1 else None
+        return None if lines is None else (found[0], lines)
+
+    def _over_own_axis(self, name: str, lines: FloatArray) -> FrequencyResponse:
+        """The other rows of a matrix over its first one."""
+        given, rows = self.given, self.numeric[name][1:]
+        if given.freq_hz is not None or given.df_hz is not None:
+            stated, option = (
+                given_lines(self.path, given, lines.size),
+                "df_hz" if given.freq_hz is None else "freq_hz",
+            )
+            if not np.allclose(stated, lines, rtol=1e-6, atol=1e-6 * lines[-1]):
+                got = f"it for {name!r}, whose first column holds frequencies, {lines[0]:g} to {lines[-1]:g}"
+                reject(option, got, "the frequencies of the file", "Leave it out: the column is used.")
+        unit = self.notes.unit(name)
+        channels = [
+            Channel(name if len(rows) == 1 else f"{name}[{i}]", row, unit) for i, row in enumerate(rows)
+        ]
+        return response_of(self.path, lines, channels, given)
 
     def _role(self, argument: str, given: str | None, names: set[str]) -> str | None:
         """The array the user names for a role, or the only one whose name says it."""
@@ -242,7 +278,11 @@ class _Bag:
             unit = self.notes.unit(pushed) or "N"
             channels.append(Channel(pushed, numeric[pushed][0], unit, role="force"))
         given = replace(self.given, force=None if force is None else "auto")
-        return recording_of(self.path, channels, rate, given)
+        clock = None
+        if time is not None and size == numeric[time].shape[1]:
+            clock = self.notes.factor(self.path, time) * numeric[time][0].real
+            clock = clock if np.all(np.diff(clock) > 0.0) else None
+        return recording_of(self.path, channels, rate, given, clock)
 
     def _response(self, freq: str | None) -> FrequencyResponse:
         """FRFs or transmissibilities over the array ``freq``, or over a given axis."""
@@ -275,7 +315,10 @@ class _Bag:
             warn_other_rate(path, "states", stated, given)
             return given
         if time is not None:
-            rate = rate_of(path, notes.factor(path, time) * self.numeric[time][0].real)
+            instants = notes.factor(path, time) * self.numeric[time][0].real
+            rate = (
+                usual_rate(path, instants) if self.given.align else rate_of(path, instants, remedy=TO_ALIGN)
+            )
             if stated is not None and abs(stated - rate) > 1e-3 * rate:
                 found = f"with a stated rate of {stated:g} Hz and a {time!r} of {rate:g} Hz, if it is in s"
                 unsuitable(path, found, "one rate", "Give the true one by fs_hz=.")

@@ -10,7 +10,7 @@ from dataclasses import replace
 from datetime import datetime
 from itertools import groupby
 from pathlib import Path
-from typing import Any, NamedTuple, Unpack
+from typing import Any, NamedTuple, Unpack, cast
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from .child_process import Limits, channels_of_child
 from .common import choose_run, missing_part, rate_of, require, unsuitable
 from .options import PathLike, Rated, Selected, opened, reader
 from .raw_arrays import stated_number
-from .text_table import decoded
+from .text_table import decoded, signal_of_table, table_of
 
 # -- TDMS of National Instruments (LabVIEW, FlexLogger, DIAdem)
 
@@ -334,6 +334,8 @@ def _segments(file: Path) -> tuple[_Form, list[Segment]]:
             rows = list(group)
             if there and not titles and not form.is_row(rows[0]):
                 titles = rows.pop(0)
+                while titles and not titles[-1]:
+                    titles.pop()
             found += [Segment(tags, titles, rows)] if there and rows else []
         tags = {name: values for name, *values in form.rows("".join(header))}
     if header:
@@ -371,6 +373,9 @@ def read_lvm(
     Recording(1 channels, 0.03 s at 100 Hz, dofs=('tip',), no force)
     """
     file, given = opened(read_lvm, path, options)
+    if re.match(r"\s*[-+\d.]", decoded(file)) and run is None:  # no header: the first column is the time
+        made = signal_of_table(file, table_of(file, None, None), replace(given, first="time"))
+        return cast(Recording, made)
     form, segments = _segments(file)
     if run is not None and not (type(run) is int and 1 <= run <= len(segments)):
         wanted = f"1 to {len(segments)}, the segments of {str(file)!r}"
@@ -426,12 +431,21 @@ def _channel(
     step = step if step is not None and step > 0.0 else None
     if x is not None and x.size > 1 and np.isfinite(x).all() and fs_hz is None:
         rate = rate_of(file, x, digits=1e-6 if step is None else 1e-5)
-        if step is not None and abs(rate * step - 1.0) > 1e-3:
+        if step is not None and abs(rate * step - 1.0) > 1e-3 and not _rounds_to(tags["Delta_X"], 1.0 / rate):
             found = f"whose {name!r} has a Delta_X of {step:g} s and instants at {rate:g} Hz"
             unsuitable(file, found, "one rate", "Give the true one by fs_hz=.")
-        step, offset = step or 1.0 / rate, float(x[0])
+        rounded = step is not None and abs(rate * step - 1.0) > 1e-9
+        step, offset = 1.0 / rate if rounded or step is None else step, float(x[0])
     start = " ".join(tags[key] for key in ("Date", "Time") if key in tags)
     return Channel(name, values, tags.get("Y_Unit_Label", ""), step, start, offset)
+
+
+def _rounds_to(text: str, step_s: float) -> bool:
+    """Whether a step as written is this one, rounded to its last decimal."""
+    plain = text.strip().replace(",", ".").lower()
+    mantissa, _, exponent = plain.partition("e")
+    last = 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+    return abs(float(plain) - step_s) <= 0.51 * last
 
 
 def _joined(file: Path, made: list[list[Channel]], n_segments: int) -> list[Channel]:

@@ -133,7 +133,7 @@ def read_frf_files(
     read = [_one(path, format, options) for path in paths]
     stems = [path.stem for path in paths]
     points = [each.dofs[0] for each in read]
-    default = points if format == "uff" and len(set(points)) == len(points) else _differences(stems)
+    default = points if format == "uff" and len(set(points)) == len(points) else differences(stems)
     labels = default if dofs is None else renamed("dofs", stems, dofs)
     rows = kept(labels)
     _check_axes([paths[i] for i in rows], [read[i] for i in rows])
@@ -175,6 +175,10 @@ def _one(path: Path, format: str, options: dict[str, Any]) -> FrequencyResponse:
         several = isinstance(signal, FrequencyResponse)
         found = f"{len(signal.dofs)} responses" if several else "a record over time"
         remedy = "Read it alone by its own reader, or name the response that is meant."
+        if not isinstance(signal, FrequencyResponse):
+            remedy = (
+                "Read each record by its own reader; sensors of one test, a file each: join them by align."
+            )
         unsuitable(path, f"with {found}", "one response over frequency in each file", remedy)
     return signal
 
@@ -209,7 +213,7 @@ def natural(file: Path) -> list[tuple[int, str]]:
     return [(int(part) if part.isdecimal() else -1, part.lower()) for part in re.split(r"(\d+)", file.name)]
 
 
-def _differences(stems: list[str]) -> list[Any]:
+def differences(stems: list[str]) -> list[Any]:
     """What tells names from each other, as numbers where all are."""
     tokens = [_TOKEN.findall(stem) for stem in stems]
     if len(stems) == 1 or len(set(stems)) < len(stems):

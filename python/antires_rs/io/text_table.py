@@ -18,10 +18,11 @@ from ..exceptions import UnsuitableDataError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import choice, finite_scalar
 from ..support.messages import warn
-from .channels import Channel, recording_of, response_of, warn_other_rate
-from .common import Signal, rate_of, unsuitable
+from .channels import Channel, chosen, recording_of, response_of, warn_other_rate
+from .common import TO_ALIGN, Signal, rate_of, unsuitable, usual_rate
 from .options import Reading
-from .raw_arrays import given_lines
+from .raw_arrays import given_lines, lines_of_axis
+from .table_layouts import is_pulse, labelled_rows, movella_columns, pulse_columns, stated_rate_hz, unwrapped
 from .units import Unit, abscissa_factor, is_abscissa, is_frequency
 
 # -- Columns of text that are one complex response together: two parts of it, or magnitude and phase
@@ -43,6 +44,7 @@ _NAME = re.compile(
 _ANGLES = dict.fromkeys(("deg", "degree", "degrees", "°"), "deg")
 _ANGLES |= dict.fromkeys(("rad", "radian", "radians"), "rad")
 _LINEAR = ("lin", "linear", "abs")
+_DEGREES = 60.0  # radians of a phase do not reach it within a band
 _PER_TURN = {"deg": np.pi / 180.0, "rad": 1.0}
 
 
@@ -93,7 +95,7 @@ def joined(file: Path, columns: list[Channel], pairs: str | None, over_freq: boo
         elif kinds == ("re", "im"):
             kind = "real_imag"
         elif kinds == ("mag", "phase") and over_freq:
-            kind = _pair_of(file, column.name, here, after)
+            kind = _pair_of(file, column, here, after, rest[0].values)
         if kind:
             unit = "" if kind.startswith("db") or here.is_plain else column.unit
             name = here.base if all(kinds) or not here.part else ""
@@ -102,15 +104,23 @@ def joined(file: Path, columns: list[Channel], pairs: str | None, over_freq: boo
     return out
 
 
-def _pair_of(file: Path, name: str, level: Part, angle: Part) -> str:
-    """Which of ``PAIRS`` a magnitude and a phase are, by their units."""
+def _pair_of(file: Path, level_of: Channel, level: Part, angle: Part, phases: Any) -> str:
+    """Which of ``PAIRS`` a magnitude and a phase are, by their units, else by numbers that leave no doubt."""
     turn, linear = _ANGLES.get(angle.unit.strip().lower()), level.is_plain or Unit.of(level.unit).quantity
     size = "db" if _is_level(level.unit) else "magnitude" if linear else ""
+    name, guessed = level_of.name, []
+    if not size and np.any(np.asarray(level_of.values) < 0.0):  # as no magnitude is
+        size, guessed = "db", ["magnitudes in dB, as some are negative"]
+    if not turn and not angle.unit and _DEGREES < np.abs(phases).max() <= 720.0:
+        turn, guessed = "deg", [*guessed, "phases in degrees, by their size"]
     if not turn or not size:
         lacks = ["the unit of the phase"] * (not turn) + ["whether it is in dB"] * (not size)
         found = f"which does not tell of {name!r} {' nor '.join(lacks)}"
         wanted = "headers such as 'Magnitude [g/N]' or 'Magnitude [dB]' and 'Phase [deg]' or 'Phase [rad]'"
         unsuitable(file, found, wanted, f"Pass pairs= as one of {', '.join(PAIRS[1:])}.")
+    if guessed:
+        said = f"path: {str(file)!r} is read with {' and '.join(guessed)}. Say it by pairs='{size}_{turn}'."
+        warn("no_unit", said)
     return f"{size}_{turn}"
 
 
@@ -135,12 +145,13 @@ _INSTANT = re.compile(  #: An instant, as ISO 8601 has it, or with slashes.
 )
 
 
-def _instants_as_time(file: Path, rows: list[list[str]]) -> tuple[int | None, str]:
-    """Put the time since the first instant, as fine as it was written, in its place; its column and unit."""
+def _instants_as_time(file: Path, rows: list[list[str]]) -> tuple[int | None, str, float]:
+    """Put the time since the first instant in its place, as fine as written; its column, unit and start."""
     there = (c for row in rows[:_HEAD] for c, text in enumerate(row[:2]) if _INSTANT.match(text))
     column = next(there, None)
-    if column is None:
-        return None, ""
+    middle = rows[len(rows) // 2 :][:3]  # the date of a test in the header is no column
+    if column is None or not any(len(row) > column and _INSTANT.match(row[column]) for row in middle):
+        return None, "", 0.0
     told = ((i, _INSTANT.match(row[column])) for i, row in enumerate(rows) if len(row) > column)
     found = {i: match for i, match in told if match}
     start = min(found)
@@ -156,7 +167,7 @@ def _instants_as_time(file: Path, rows: list[list[str]]) -> tuple[int | None, st
         unsuitable(file, f"with an instant that is none ({exc})", "days and times that exist")
     for i, each in at.items():
         rows[i][column] = str(int((each - at[start]) / np.timedelta64(1, "ns")) // 10 ** (9 - per_s))
-    return column, unit
+    return column, unit, float((at[start] - np.datetime64(0, "ns")) / np.timedelta64(1, "s"))
 
 
 def _instant(match: re.Match[str]) -> np.datetime64:
@@ -188,6 +199,8 @@ class Table:
     problem: str = ""  # what is cut
     digits: tuple[float, float] = (1e-9, 1e-9)  # relative rounding of the first two columns
     instants: int | None = None  # the column that had instants
+    began_s: float = 0.0  # the first of them, since 1970
+    rate_hz: float | None = None  # which its header states
 
     def columns(self) -> list[Channel]:
         """The columns as they stand; those of complex text are complex even if real, but for the first."""
@@ -205,7 +218,7 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     table, ended, lines = Table(), text.endswith("\n"), text.splitlines()
     if text.startswith(MARK):
         _header(file, lines, table)
-    body = [line for line in lines if line.strip() and not line.lstrip().startswith(_COMMENT)]
+    body = [line.rstrip() for line in lines if line.strip() and not line.lstrip().startswith(_COMMENT)]
     trailing = (
         delimiter is None and len(body) > 1 and all(map(_trails, body[len(body) // 2 : -1] or body[:1]))
     )
@@ -214,21 +227,23 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
         body, ended = [line.rstrip()[:-1] if _trails(line) else line for line in body], ended and not trailing
     between = delimiter or _delimiter(body)
     split = [_split(line, between) for line in body]
-    table.instants, unit = _instants_as_time(file, split)
+    table.instants, unit, table.began_s = _instants_as_time(file, split)
     point = decimal if decimal is not None else "," if _decimal_commas(split, between) else "."
     start = next((i for i, row in enumerate(split) if _numeric(row, point)), len(split))
     if start == len(split):
         middle = split[len(split) // 2] if split else []
         odd = next((f": {part[:40]!r} is none" for part in middle if not _numeric([part], point)), "")
         unsuitable(file, f"without a row of numbers{odd}", _NUMBERS, "Name the delimiter= and decimal=.")
-    rows, width = split[start:], len(split[start])
+    before = split[start - 1] if start else []
+    if len(before) == len(split[start]) + 1 and _numeric(before[:-1], point):
+        before.pop()  # a comment behind the first row
+        start -= 1
+    rows = split[start:]
+    width = len(rows[0])
     for row in split[:start]:
         if len(row) == width > 1 and _numeric(row[:1], point):  # a row, not names
             unsuitable(file, f"whose row {' '.join(row)[:60]!r} is not numeric throughout", _NUMBERS)
-    head = body[:start] or _commented_names(lines, between, width)
-    if between is None:  # "Frequency [Hz]" is one name
-        head = [re.sub(r"(?<=\w)\s+([\[(])", r"\1", line) for line in head]
-    named(table, [[part.strip('"') for part in _split(line, between)] for line in head])
+    _headed(table, body[:start] or _commented_names(lines, between, width), between, width)
     if not ended:
         # A number that lost its last digits still is one, so that only a line end proves the row whole.
         if len(rows[-1]) != width or "rows" in table.header or trailing:
@@ -239,12 +254,37 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
             said = "has no line end after its last row, whose last number may be cut"
             warn("cut_line", f"path: {str(file)!r} {said}. If it is whole, add one.")
     _fill(file, table, rows, point, width)
+    _as_movella(table)
     if table.instants is not None:
         table.units = table.units or [""] * width
         table.units[table.instants] = unit
         if table.names:
             table.names[table.instants] = "time"
     return table
+
+
+def _headed(table: Table, head: list[str], between: str | None, width: int) -> None:
+    """Names, units and a rate of the lines above the numbers."""
+    if between is None:  # "Frequency [Hz]" is one name
+        head = [re.sub(r"(?<=\w)\s+([\[(])", r"\1", line) for line in head]
+    above = [[part.strip('"') for part in _split(line, between)] for line in head]
+    table.rate_hz = stated_rate_hz(above)
+    told = pulse_columns(head, width) if is_pulse(head) else labelled_rows(above, width)
+    if told is None:
+        named(table, above)
+    else:
+        table.names, table.units = told
+
+
+def _as_movella(table: Table) -> None:
+    """A sensor's own clock first; the row of zeros that it begins with is no sample."""
+    found = movella_columns(table.names)
+    if found is not None and len(table.values) > 2:
+        columns, table.units = found
+        table.names, table.values = [table.names[i] for i in columns], table.values[:, columns]
+        table.names[0], table.digits = "time", (1e-12, 1e-12)
+        moving = [i for i, name in enumerate(table.names) if name.startswith("Acc_")]
+        table.values = table.values[1 if moving and not table.values[0, moving].any() else 0 :]
 
 
 def _fill(file: Path, table: Table, rows: list[list[str]], point: str, width: int) -> None:
@@ -407,12 +447,17 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
     digits, first = table.digits[0], given.first
     name = columns[0].name
     behind = table.instants == 1
-    if first is None and _counts(columns[0].values, behind) and (name.lower() in _INDEX or not named):
+    if first is None and table.rate_hz is not None and not name and not is_abscissa(columns[0].unit):
+        first = _by_rate(columns[0].values, table.rate_hz)
+    counts = first is None and given.pairs is None and _counts(columns[0].values, behind)
+    if counts and (name.lower() in _INDEX or not named):
         after = columns[1] if len(columns) > 1 else None
         timed = after and (after.name.lower() in _TIME or _says_frequency(after, named) or behind)
         if not timed and given.fs_hz is None:
             found = f"whose first column, {name!r}, counts the rows, and no column is a time or a frequency"
             remedy = "Pass fs_hz=, or first='time' if it is the time in s."
+            if len(columns) % 2:  # two for each response
+                remedy += " If it is the frequency in Hz, pass pairs='real_imag' or another of its kinds."
             unsuitable(file, found, "a sampling rate or a column of time", remedy)
         columns = columns[1:]
         digits, first = table.digits[1], None if timed else "channel"
@@ -423,21 +468,39 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
     lead, rest = columns[0], columns if first == "channel" else columns[1:]
     if not rest:
         unsuitable(file, "with no column of values", "at least one beside the first")
-    channels = _called(rest, named)
+    channels = chosen(file, _called(rest, named), given)
     if first == "freq":
         return _response(file, lead.values.real * _into_si(file, lead), channels, given)
     if any(np.iscomplexobj(c.values) for c in columns):
         unsuitable(file, "with complex columns over time", "real ones", "Pass first='freq'.")
-    rate = given.rate_hz
     if first == "channel":
         rate = finite_scalar("fs_hz", given.fs_hz, low=0.0, low_open=True, unit="Hz")
         return recording_of(file, channels, rate, given)
-    instants = lead.values * _into_si(file, lead, lead.values)
+    return _over_time(file, table, lead, channels, digits, given)
+
+
+def _over_time(
+    file: Path, table: Table, lead: Channel, channels: list[Channel], digits: float, given: Reading
+) -> Signal:
+    """A record over its column of instants."""
+    rate = given.rate_hz
+    instants = unwrapped(lead.values) * _into_si(file, lead, lead.values)
+    clock = instants + table.began_s
+    if given.align:
+        return recording_of(file, channels, rate or usual_rate(file, instants), given, clock)
     if rate is None:
-        return recording_of(file, channels, rate_of(file, instants, digits=digits), given)
+        return recording_of(
+            file, channels, rate_of(file, instants, digits=digits, remedy=TO_ALIGN), given, clock
+        )
     with suppress(UnsuitableDataError):  # instants that say nothing are why a rate was given
         warn_other_rate(file, "has instants at", rate_of(file, instants, digits=digits), rate)
     return recording_of(file, channels, rate, given)
+
+
+def _by_rate(values: Any, rate_hz: float) -> str | None:
+    """What a column without a name is by the rate that the header states; None if that does not tell."""
+    step = float(values[-1] - values[0]) / (values.size - 1)
+    return "time" if abs(step * rate_hz - 1.0) < 1e-3 else None
 
 
 def _what_first(file: Path, columns: list[Channel], hertz: bool, rated: bool) -> str:
@@ -477,7 +540,11 @@ def _response_without_axis(file: Path, table: Table, given: Reading) -> Frequenc
         reject(option, f"it beside first={given.first!r}", wanted, "Leave one of them out.")
     if _says_frequency(columns[0], named):
         reject(option, f"it for a file with the column {columns[0].name!r}", wanted, "Leave it out.")
+    if len(columns) > 1 and given.pairs is None and lines_of_axis(columns[0].values) is not None:
+        got = "it for a file whose first column ascends in even steps as a frequency does"
+        reject(option, got, wanted, "Leave it out, and pass first='freq'.")
     # An empty column in front: every one of the file is a value, also where the first is real.
+    columns = chosen(file, columns, given)
     joint = joined(file, [Channel("", np.zeros(lines.size)), *columns], given.pairs, True)[1:]
     if np.iscomplexobj(table.values):
         joint = [replace(c, values=np.asarray(c.values, dtype=np.complex128)) for c in joint]

@@ -331,6 +331,28 @@ def functions_of(file: Path, partial: bool) -> list[Function]:
     return functions
 
 
+def nodes_of(path: PathLike) -> dict[int, tuple[float, ...]]:
+    """Coordinates in m of the nodes of a universal file, datasets 15, 781 and 2411, by their numbers."""
+    file = existing_file(path)
+    data, per_m, nodes = file.read_bytes(), 1.0, dict[int, tuple[float, ...]]()
+    try:
+        for each in scan(data):
+            rows = _FORTRAN.sub(b"E", data[each.start : each.stop]).decode("latin-1").splitlines()[2:-1]
+            if each.number == 164:
+                per_m = float(rows[1].split()[0])
+            elif each.number == 15:
+                cells = (row.split() for row in rows)
+                nodes |= {int(c[0]): tuple(map(float, c[4:7])) for c in cells}
+            elif each.number in (781, 2411):
+                heads = zip(rows[::2], rows[1::2], strict=True)
+                nodes |= {int(head.split()[0]): tuple(map(float, row.split()[:3])) for head, row in heads}
+    except (ValueError, IndexError) as exc:
+        unsuitable(file, f"whose nodes cannot be read ({exc})", "nodes in datasets 15, 781 or 2411")
+    if not (per_m > 0.0 and all(len(xyz) == 3 and np.isfinite(xyz).all() for xyz in nodes.values())):
+        unsuitable(file, "with nodes that are no three numbers", "nodes in datasets 15, 781 or 2411")
+    return {node: tuple(x / per_m for x in xyz) for node, xyz in nodes.items()}
+
+
 def _factors(file: Path, length: float, force: float) -> dict[int, float]:
     """Into SI by dataset 164, for specific data types of motions and of forces."""
     if not (np.isfinite([length, force]).all() and length > 0.0 and force > 0.0):

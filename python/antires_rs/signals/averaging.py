@@ -469,9 +469,9 @@ def choose_nperseg(
     """Samples per segment from the record's length and the sharpness of its resonances."""
     n_long = longest_segments(rec, band_hz)
     if n_long < FEWEST_SAMPLES:
-        wanted = f"a record of at least {FEWEST_SAMPLES * SEGMENTS / rec.fs_hz:.3g} s"
-        got = f"None for a record of {rec.n_samples / rec.fs_hz:.3g} s"
-        reject("nperseg", got, wanted, "Give nperseg, or record for longer.")
+        wanted = f"at least {FEWEST_SAMPLES * SEGMENTS / rec.fs_hz:.3g} s"
+        got = f"a record that lasts {rec.n_samples / rec.fs_hz:.3g} s"
+        reject("source", got, wanted, "Record for longer, or give nperseg=.")
     power = (correlation or Autocorrelation(rec)).power(n_long, band_hz)
     width = narrow_width(power) if power.size >= LEAST_LINES else None
     if width is None:

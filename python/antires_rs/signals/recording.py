@@ -32,6 +32,9 @@ class Recording(ReadOnly, Viewed):
         Name of each channel's degree of freedom. Default ``0, 1, ...``.
     force : array_like, (n_samples,), optional
         The exciting force, if it was measured. Antiresonances do not need it.
+    time_s : array_like, (n_samples,), optional
+        Instant of each sample in s, ascending, on a clock that other records share: what :func:`align` joins
+        sensors by. A record with gaps in it is refused by all else.
 
     Attributes
     ----------
@@ -55,9 +58,15 @@ class Recording(ReadOnly, Viewed):
     fs_hz: float
     dofs: tuple[Any, ...]
     force: FloatArray | None
+    time_s: FloatArray | None = None  # also of those that an older version pickled
 
     def __init__(
-        self, responses: Any, fs_hz: float, dofs: Iterable[Any] | None = None, force: Any | None = None
+        self,
+        responses: Any,
+        fs_hz: float,
+        dofs: Iterable[Any] | None = None,
+        force: Any | None = None,
+        time_s: Any | None = None,
     ) -> None:
         wanted = "a real array (n_channels, n_samples), one row a channel"
         array = real_array("responses", responses, ndim=2, wanted=wanted)
@@ -80,7 +89,9 @@ class Recording(ReadOnly, Viewed):
                 )
             in_range("force", force)
             force = frozen(force)
-        self._fill(responses=frozen(array, responses), fs_hz=rate, dofs=labels, force=force)
+        if time_s is not None:
+            time_s = frozen(_instants(time_s, array.shape[1]), time_s)
+        self._fill(responses=frozen(array, responses), fs_hz=rate, dofs=labels, force=force, time_s=time_s)
 
     @property
     def n_channels(self) -> int:
@@ -111,6 +122,22 @@ class Recording(ReadOnly, Viewed):
             f"Recording({self.n_channels} channels, {self.duration_s:g} s at {self.fs_hz:g} Hz, "
             f"dofs={self.dofs}, {force})"
         )
+
+
+def _instants(time_s: Any, n_samples: int) -> FloatArray:
+    """The instants of a record, checked."""
+    wanted = f"a real array ({n_samples},) that ascends, one instant in s for each sample"
+    instants = real_array("time_s", time_s, ndim=1, wanted=wanted)
+    if instants.size != n_samples:
+        reject(
+            "time_s", f"{instants.size} instants", wanted, "Leave it out, or cut both to the same samples."
+        )
+    falls = np.flatnonzero(np.diff(instants) <= 0.0)
+    if falls.size:
+        at = int(falls[0])
+        got = f"{instants[at]:.9g} s followed by {instants[at + 1]:.9g} s"
+        reject("time_s", got, wanted, "Add the range of the counter where it began again at zero.")
+    return instants
 
 
 # -- Several records of one test as one: what is averaged together, and never across a joint
@@ -149,7 +176,7 @@ def without_force(rec: Recording) -> Recording:
     """The same record as if the force had not been measured."""
     if rec.force is None:
         return rec
-    bare = [Recording(part.responses, part.fs_hz, part.dofs) for part in parts_of(rec)]
+    bare = [Recording(part.responses, part.fs_hz, part.dofs, None, part.time_s) for part in parts_of(rec)]
     return PooledRecording(bare) if len(bare) > 1 else bare[0]
 
 
@@ -158,6 +185,17 @@ def check_recording(rec: object) -> None:
     if not isinstance(rec, Recording):
         got = type(rec).__name__
         reject("rec", got, "a Recording", "Make one of the arrays first: Recording(responses, fs_hz).")
+    refuse_gaps(rec)
+
+
+def refuse_gaps(rec: Recording) -> None:
+    """Refuse a record whose samples are not even, which only ``align`` can use."""
+    for part in parts_of(rec):
+        steps = np.diff(part.time_s) if part.time_s is not None else ()
+        odd = np.flatnonzero(np.abs(np.asarray(steps) * part.fs_hz - 1.0) > 0.5)
+        if odd.size:
+            got = f"a record with {odd.size} gaps in its time, the first at {part.time_s[odd[0]]:.9g} s"  # type: ignore[index]
+            reject("rec", got, "evenly sampled responses", "Resample it: ar.align([record]).")
 
 
 def force_of(rec: Recording) -> FloatArray:

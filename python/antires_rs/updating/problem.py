@@ -206,6 +206,10 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
             choice("objective", objective, ("antiresonance", "modal"))
         choice("misfit", misfit, get_args(Misfit))
         targets = targets_of(checked_model(model), measured, objective)
+        if not targets.hz.size:
+            reject(
+                "measured", f"no {targets.noun}", "at least one", "Identify in another band, or at more dofs."
+            )
         chosen = model._by_number(chosen)
         bounds = np.array([p.bounds for p in chosen], dtype=np.float64).reshape(-1, 2)
         parts = model.description.core_parameters(chosen)

@@ -322,7 +322,12 @@ def _baseline_tests(given: Any, series: Series) -> NDArray[np.intp]:
     if sound.size < LEAST:
         wanted = f"at least {LEAST}, from which limits can be learned"
         remedy = "Take more tests of the intact structure; a rate of 1 % wants 50."
-        reject("baseline", f"{sound.size} tests with antiresonances", wanted, remedy)
+        got = f"{sound.size} tests with antiresonances"
+        if sound.size < chosen.size:
+            first = next(i for i in chosen.tolist() if i in series.failed)
+            why = series.failed[first]
+            got = f"{chosen.size - sound.size} of {chosen.size} tests that failed, the first: {why}"
+        reject("baseline", got, wanted, remedy)
     return sound
 
 

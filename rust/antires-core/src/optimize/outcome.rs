@@ -64,10 +64,9 @@ impl Status {
     /// The status in a sentence.
     pub fn message(self) -> &'static str {
         match self {
-            Self::Agreed => "The islands' best individuals agree in their genes.",
+            Self::Agreed => "All islands ended at one solution.",
             Self::CostAgreed => {
-                "The islands' best individuals agree in cost but not in genes: \
-                 several solutions are equally good."
+                "All islands ended at one cost, but not at one solution: several fit equally well."
             }
             Self::Stagnated => "The only island found no further improvement.",
             Self::Collapsed => {
@@ -264,14 +263,13 @@ impl Outcome {
             return message.to_string();
         }
         if self.migrations > 0 {
-            return format!("{message} They had exchanged their bests, so not all found it on their own.");
+            return format!("{message} They had exchanged their best individuals on the way.");
         }
-        let how = if self.polished {
-            "each was reached by a local search from a random start of its own"
+        if self.polished {
+            "All searches, each from a random start of its own, ended at one solution.".to_string()
         } else {
-            "each island found it on its own"
-        };
-        format!("{message} They had exchanged nothing yet: {how}.")
+            format!("{message} Each found it on its own.")
+        }
     }
 }
 
