@@ -471,7 +471,11 @@ class Search:
                 if self.likelihood.n == self.n_candidates:
                     unknown = float(np.log(self.prior.unknown + elsewhere))
                 for nth, one in enumerate(self.shaped.others):
-                    found[-2 - nth,] = one.log_evidence + float(np.log(elsewhere))
+                    if one.halves:
+                        found[one.halves] -= np.log(2.0)
+                        found[-2 - nth,] = found[one.halves]
+                    else:
+                        found[-2 - nth,] = one.log_evidence + float(np.log(elsewhere))
         return found | {UNKNOWN: self.likelihood.something_else + unknown}
 
     def shaped_as(self, key: Elements) -> Shaped | None:
@@ -891,7 +895,7 @@ def posterior(
                 own, probability, tuple(fit.beta.tolist()), low, high, not search.outside(elements)
             )
         rows.append((elements, row))
-    return sorted(rows, key=lambda row: (-row[1].probability, row[0]))
+    return sorted(rows, key=lambda row: (-row[1].probability, row[1].unknown, row[0]))
 
 
 def concluded(

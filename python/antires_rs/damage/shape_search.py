@@ -109,12 +109,10 @@ def _search(search: Search, prepared: Prepared, question: Question, found: Found
     if changed or lost:
         found.others += _sensors(prepared, question.model)
     # What such a support carries loses as much by it: the values do not tell the two apart.
-    carried = frame.grounded if type(frame) is Structure and likeliest.elements else []
-    for e in carried:
-        if fit := search.fits.get((prepared.numbers.index(e),)):
+    for e in frame.grounded if type(frame) is Structure and likeliest.elements else ():
+        if fit := search.fits.get(own := (prepared.numbers.index(e),)):
             place = f"support of {question.model.element_label(e)} yields"
-            prior = float(np.log(_ELSEWHERE["support"] / len(carried)))
-            found.others.append(Shaped("support", place, fit.log_evidence + prior, fit.view))
+            found.others.append(Shaped("support", place, fit.log_evidence, fit.view, halves=own))
     shapes = frame.shapes(prepared.stiffness_factors)
     if not shapes:
         return

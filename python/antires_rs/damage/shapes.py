@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -86,6 +87,7 @@ class Shaped:
     severities: tuple[float, ...] = ()  # of elements that are as flexible
     low: tuple[float, ...] = ()
     high: tuple[float, ...] = ()
+    halves: tuple[int, ...] = ()  # the set that values do not tell from it: each has half of its prior
 
 
 @dataclass
@@ -217,13 +219,24 @@ class Structure:
             return None
         return np.linspace(-1.0, 1.0, len(terms))[np.argsort(np.argsort(ways[:, 1], kind="stable"))]
 
+    @cached_property
+    def _directions(self) -> NDArray[np.intp]:
+        """Direction of each dof, as masses couple those of one; one for all where that tells nothing."""
+        from scipy.sparse.csgraph import connected_components
+
+        count, found = connected_components(as_sparse(self.model._core.mass()), directed=False)
+        return found if count <= len(_TRANSLATIONS) else np.zeros(self.model.n_dof, dtype=np.intp)
+
     @property
     def grounded(self) -> list[int]:
         """Elements that stand on the ground, where that is seen: a shift of all strains few of them."""
-        terms = self.model._core.stiffness_terms()
-        pull = [np.abs(np.bincount(rows, values)).max(initial=0.0) for rows, _, values in terms]
-        size = [np.abs(values).max(initial=0.0) for *_, values in terms]
-        held = np.flatnonzero(np.array(pull) > _STRAINED * np.array(size)).tolist()
+        terms, held = self.model._core.stiffness_terms(), []
+        for nth, (rows, columns, values) in enumerate(terms):
+            size = np.abs(values).max(initial=0.0)
+            for each in range(int(self._directions.max()) + 1):
+                pull = np.bincount(rows, values * (self._directions[columns] == each))
+                if np.abs(pull).max(initial=0.0) > _STRAINED * size and nth not in held:
+                    held.append(nth)
         return held if 2 * len(held) < len(terms) else []
 
     @property
@@ -242,9 +255,20 @@ class Structure:
         return self
 
     def shapes(self, factor: Mapping[int, float]) -> list[Shape]:
-        """What may change beside the losses of elements."""
+        """A mass at each dof, or at two that are a node's: they follow each other, with the same mass, in
+        different directions."""
         del factor
-        return []
+        mass, named = as_sparse(self.model._core.mass()), self.model.dof_label
+        own, n = mass.diagonal(), self.model.n_dof
+        if n > _MOST_DOFS:
+            return []
+        most, way = _MOST_MASS * float(own.sum()), self._directions
+        pairs = [(k, k + 1) for k in range(n - 1) if way[k] != way[k + 1] and np.isclose(own[k], own[k + 1])]
+        alone = [(k,) for k in range(n) if not any(k in pair for pair in pairs) and own[k] > 0.0]
+        return [
+            Shape("mass", -1, 0.0, at[0], most, _masses(most, at), name=" and ".join(map(named, at)))
+            for at in (*pairs, *alone)
+        ]
 
     def joints(self) -> list[Shape]:
         """What the model may lack: the mass at each dof."""
