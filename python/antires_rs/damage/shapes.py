@@ -254,6 +254,11 @@ class Structure:
         del left
         return self
 
+    def based(self, left: Callable[[Structure], float]) -> Structure:
+        """With a base that moves."""
+        del left
+        return self
+
     def shapes(self, factor: Mapping[int, float]) -> list[Shape]:
         """A mass at each dof, or at two that are a node's: they follow each other, with the same mass, in
         different directions."""
@@ -288,6 +293,7 @@ class Structure:
         return []
 
 
+_BASES = (30.0, 10.0, 4.0, 2.0)  # springs under a base, over that of the lowest storey
 _TILTS = (1, 2, 3)  # powers of the height with which a building tilts and bends as a whole
 
 
@@ -300,22 +306,65 @@ class Chain(Structure):
         return np.concatenate([np.linspace(-1.0, 1.0, max(self.model.n_dof - 1, 1)), [-1.0, 1.0]])
 
     def shapes(self, factor: Mapping[int, float]) -> list[Shape]:
-        """A mass at each of the masses."""
+        """A mass at each of the masses; and the base."""
         most = _MOST_MASS * float(np.diag(np.asarray(self.model.mass())).sum())
         nodes, named = range(self.model.n_dof), self.model.mass_label
-        return [Shape("mass", -1, 0.0, k, most, _masses(most, [k]), name=named(k)) for k in nodes]
+        found = [Shape("mass", -1, 0.0, k, most, _masses(most, [k]), name=named(k)) for k in nodes]
+        if self.finer is not None:  # it was learned that the base moves
+            k, tilts = self.model._core.n_stiffness_terms, self.joints()[0]
+            rows, columns, values = self.finer._core.stiffness_terms()[k]
+            spring = Entries(rows, columns, factor.get(k, 1.0) * values)
+            found.append(Shape("support", -1, 0.0, -1, 1.0, spring, name="spring under the base"))
+            found.append(replace(tilts, kind="support", node=0, name="base against tilting"))
+        return found
+
+    @property
+    def _stands(self) -> tuple[int, int] | None:
+        """Its spring to the ground, where it has one, and the mass on that."""
+        last, recipe = self.model.n_dof - 1, self.model._recipe
+        first, second = recipe.ground_first_n_per_m != 0.0, recipe.ground_last_n_per_m != 0.0
+        return None if first == second else (last, 0) if first else (last + 1, last)
+
+    def based(self, left: Callable[[Structure], float]) -> Structure:
+        """With a base of its own, as heavy as the mass above it, on a spring with which least is left."""
+        if self._stands is None:
+            return self
+        core, n, (term, foot) = self.model._core, self.model.n_dof, self._stands
+        terms, masses = core.stiffness_terms(), core.mass_terms()
+        stiff, mass = float(np.sum(terms[term][2])), as_sparse(core.mass()).diagonal()[foot]
+        under = np.array([foot, n, n]), np.array([n, foot, n]), stiff * np.array([-1.0, -1.0, 1.0])
+        terms[term], base = _together([terms[term], under]), _masses(mass, [n])
+        found: list[tuple[float, Structure]] = []
+        for times in _BASES:
+            other, spring = copy(self), _masses(times * stiff, [n])
+            whole = _together([_entries(core.stiffness()), under, spring])
+            heavy = _together([_entries(core.mass()), base])
+            made = CoreModel.from_matrices(n + 1, whole, heavy, [*terms, spring], [*masses, base])
+            other.finer = Joined(n + 1, made)
+            found.append((left(other), other))
+        return min(found, key=lambda each: each[0])[1]
+
+    @property
+    def yielding(self) -> tuple[Parameter, ...]:
+        """The spring and the mass of the base."""
+        if self.finer is None:
+            return ()
+        core = self.model._core
+        stiffness = Parameter("stiffness_factor", (core.n_stiffness_terms,), (0.2, 5.0))
+        return stiffness, Parameter("mass_factor", (core.n_mass_terms,), (0.2, 5.0))
 
     def joints(self) -> list[Shape]:
         """What tilting and bending leave of the stiffness, by the formula of a hinge."""
-        recipe, n = self.model._recipe, self.model.n_dof
-        first, last = recipe.ground_first_n_per_m != 0.0, recipe.ground_last_n_per_m != 0.0
-        if first == last:
+        if self._stands is None:
             return []
-        stiffness = np.asarray(self.model.stiffness())
-        height = np.arange(1.0, n + 1.0)[:: 1 if first else -1] / n
+        n, (_, foot) = self.model.n_dof, self._stands
+        stiffness: Any = self.model.stiffness()  # dense for a chain
+        if self.finer is not None:
+            stiffness = as_sparse(self.finer._core.stiffness()).toarray()
+        height = np.arange(1.0, n + 1.0)[:: -1 if foot else 1] / n
         found = []
         for power in _TILTS:
-            way = height**power
+            way = np.pad(height**power, (0, len(stiffness) - n))
             force = stiffness @ way
             found.append(Shape("joint", -1, 0.0, -1, 1.0, _product(force / np.sqrt(way @ force))))
         return found
