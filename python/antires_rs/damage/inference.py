@@ -18,11 +18,11 @@ from ..updating.posterior import between, log_between
 from ..updating.problem import Pairs, hint_between_states, roots_between
 from ..updating.reduced_model import ReductionReport
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together, without_idle
-from .likelihood import BOUNDS, ERRORS, Likelihood, Prepared, Question, ValueLikelihood, View
+from .likelihood import ERRORS, Likelihood, Prepared, Question, ValueLikelihood, View
 from .measured_states import Values, mostly_risen, roots_at
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import TOLERANCE, ReducedRoots
-from .shapes import CRACKED, Found, Shaped
+from .shapes import BOUNDS, CRACKED, Found, Shaped
 
 # -- The evidence of a set of damaged elements, from one view of the values
 #

@@ -52,7 +52,7 @@ from .measured_states import (
 )
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import ReducedRoots, Terms
-from .shapes import Joined, Structure, joined, parameters_of, structure_of
+from .shapes import BOUNDS, Joined, Structure, joined, parameters_of, structure_of
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -60,8 +60,6 @@ if TYPE_CHECKING:
 Core = Source | _core.Objective
 
 # -- What may be wrong in a model: a factor on every stiffness and every mass term
-
-BOUNDS = (0.2, 5.0)  # bounds of a factor, exp(-1.6) to exp(1.6): no model of an engineer is as wrong as that
 
 
 def factors_of(model: StructuralModel, factors: tuple[Parameter, ...] | None = None) -> tuple[Parameter, ...]:

@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
 Kind = Literal["crack", "joint", "support", "mass"]
+#: Bounds of a factor of stiffness or mass, exp(-1.6) to exp(1.6): no engineer errs as much.
+BOUNDS = (0.2, 5.0)
 CRACKED = 0.3  # share of the prior of an element's damage that is of cracks
 
 PLACES = (0.1, 0.3, 0.5, 0.7, 0.9)  # places of cracks along an element
@@ -350,8 +352,8 @@ class Chain(Structure):
         if self.finer is None:
             return ()
         core = self.model._core
-        stiffness = Parameter("stiffness_factor", (core.n_stiffness_terms,), (0.2, 5.0))
-        return stiffness, Parameter("mass_factor", (core.n_mass_terms,), (0.2, 5.0))
+        stiffness = Parameter("stiffness_factor", (core.n_stiffness_terms,), BOUNDS)
+        return stiffness, Parameter("mass_factor", (core.n_mass_terms,), BOUNDS)
 
     def joints(self) -> list[Shape]:
         """What tilting and bending leave of the stiffness, by the formula of a hinge."""
@@ -588,7 +590,7 @@ class Frame(Structure):
         """Springs, and those of the hinges, one a node."""
         first = self.model._core.n_stiffness_terms
         turning = range(first, first + len(self.hinge_nodes))
-        return (*self.springs, *(Parameter("stiffness_factor", (k,), (0.2, 5.0)) for k in turning))
+        return (*self.springs, *(Parameter("stiffness_factor", (k,), BOUNDS) for k in turning))
 
     @property
     def springs(self) -> tuple[Parameter, ...]:
@@ -596,7 +598,7 @@ class Frame(Structure):
         first, last = len(self.ends), self.model._core.n_stiffness_terms
         terms = [self.model._core.stiffness_terms()[k] for k in range(first, last)]
         held = [first + k for k, term in enumerate(terms) if np.any(term[2])]
-        return tuple(Parameter("stiffness_factor", (k,), (0.2, 5.0)) for k in held)
+        return tuple(Parameter("stiffness_factor", (k,), BOUNDS) for k in held)
 
     def _pins(self, factor: Mapping[int, float]) -> list[Shape]:
         """Pins and rollers that yield; a clamp turns first."""
