@@ -52,7 +52,7 @@ from .measured_states import (
 )
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import ReducedRoots, Terms
-from .shapes import BOUNDS, Joined, Structure, joined, parameters_of, structure_of
+from .shapes import BOUNDS, Chain, Joined, Structure, joined, parameters_of, structure_of
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -1065,19 +1065,23 @@ class _Families(NamedTuple):
         family, structures = self.plain, [self.plain.structure]
         finer = structure_of(self.question.model, float(np.exp(intact.plain.log_f.max())))
         structures = [finer, *structures] if finer.finer else structures
-        for yields, clearly in (("", 0.0), ("hinged", _CLEARLY), ("based", _PLAINLY)):
-            if yields and not (self.question.model_error is None and error.doubtful):
-                break
-            if yields == "based" and intact.size < _TELLING * self.question.model.n_dof:
+        for stage, clearly in enumerate((0.0, _CLEARLY, _PLAINLY)):
+            if stage and not (self.question.model_error is None and error.doubtful):
                 break
             least = error.log_evidence + clearly
             for structure in structures:
                 step("learning what its elements do between nodes, and what joints yield")
-                other = self.of(getattr(structure, yields)(self.left) if yields else structure, bool(yields))
-                new = other is not self.plain and (yields != "based" or other.structure is not structure)
-                if new and (its := self.taught(other, intact)).log_evidence > least:
+                if stage == 1:
+                    structure = structure.hinged(self.left)
+                elif stage:
+                    many = intact.size >= _TELLING * self.question.model.n_dof
+                    if not (many and isinstance(structure, Chain)):
+                        continue
+                    structure = structure.based(self.left)
+                other = self.of(structure, stage > 0)
+                if other is not self.plain and (its := self.taught(other, intact)).log_evidence > least:
                     error, family, least = its, other, its.log_evidence
-                if yields and not error.doubtful:  # what resolves its waves needs no other
+                if stage and not error.doubtful:  # what resolves its waves needs no other
                     break
         return error, family
 

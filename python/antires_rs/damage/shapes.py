@@ -233,12 +233,11 @@ class Structure:
     def grounded(self) -> list[int]:
         """Elements that stand on the ground, where that is seen: a shift of all strains few of them."""
         terms, held = self.model._core.stiffness_terms(), []
+        shifts = self._directions == np.arange(self._directions.max() + 1)[:, None]
         for nth, (rows, columns, values) in enumerate(terms):
-            size = np.abs(values).max(initial=0.0)
-            for each in range(int(self._directions.max()) + 1):
-                pull = np.bincount(rows, values * (self._directions[columns] == each))
-                if np.abs(pull).max(initial=0.0) > _STRAINED * size and nth not in held:
-                    held.append(nth)
+            pulls = [np.abs(np.bincount(rows, values * shift[columns])).max(initial=0.0) for shift in shifts]
+            if max(pulls) > _STRAINED * np.abs(values).max(initial=0.0):
+                held.append(nth)
         return held if 2 * len(held) < len(terms) else []
 
     @property
@@ -253,11 +252,6 @@ class Structure:
 
     def hinged(self, left: Callable[[Structure], float]) -> Structure:
         """With joints that yield as dofs of their own."""
-        del left
-        return self
-
-    def based(self, left: Callable[[Structure], float]) -> Structure:
-        """With a base that moves."""
         del left
         return self
 
@@ -283,6 +277,12 @@ class Structure:
             return []
         own = enumerate(np.asarray(self.model.mass().diagonal()).tolist())
         return [Shape("mass", -1, 0.0, dof, kg, _masses(kg, [dof])) for dof, kg in own if kg > 0.0]
+
+    def _learned(self, k: int, factor: Mapping[int, float]) -> Entries:
+        """A term of the finer model as the baseline has it."""
+        assert self.finer is not None
+        rows, columns, values = self.finer._core.stiffness_terms()[k]
+        return Entries(rows, columns, factor.get(k, 1.0) * values)
 
     def cracks(self, element: int, shares: Sequence[float], factor: Mapping[int, float]) -> list[Shape]:
         """None."""
@@ -313,11 +313,9 @@ class Chain(Structure):
         nodes, named = range(self.model.n_dof), self.model.mass_label
         found = [Shape("mass", -1, 0.0, k, most, _masses(most, [k]), name=named(k)) for k in nodes]
         if self.finer is not None:  # it was learned that the base moves
-            k, tilts = self.model._core.n_stiffness_terms, self.joints()[0]
-            rows, columns, values = self.finer._core.stiffness_terms()[k]
-            spring = Entries(rows, columns, factor.get(k, 1.0) * values)
+            spring = self._learned(self.model._core.n_stiffness_terms, factor)
             found.append(Shape("support", -1, 0.0, -1, 1.0, spring, name="spring under the base"))
-            found.append(replace(tilts, kind="support", node=0, name="base against tilting"))
+            found.append(replace(self.joints()[0], kind="support", node=0, name="base against tilting"))
         return found
 
     @property
@@ -327,7 +325,7 @@ class Chain(Structure):
         first, second = recipe.ground_first_n_per_m != 0.0, recipe.ground_last_n_per_m != 0.0
         return None if first == second else (last, 0) if first else (last + 1, last)
 
-    def based(self, left: Callable[[Structure], float]) -> Structure:
+    def based(self, left: Callable[[Structure], float]) -> Chain:
         """With a base of its own, as heavy as the mass above it, on a spring with which least is left."""
         if self._stands is None:
             return self
@@ -336,7 +334,7 @@ class Chain(Structure):
         stiff, mass = float(np.sum(terms[term][2])), as_sparse(core.mass()).diagonal()[foot]
         under = np.array([foot, n, n]), np.array([n, foot, n]), stiff * np.array([-1.0, -1.0, 1.0])
         terms[term], base = _together([terms[term], under]), _masses(mass, [n])
-        found: list[tuple[float, Structure]] = []
+        found: list[tuple[float, Chain]] = []
         for times in _BASES:
             other, spring = copy(self), _masses(times * stiff, [n])
             whole = _together([_entries(core.stiffness()), under, spring])
@@ -614,8 +612,7 @@ class Frame(Structure):
             term = _product(force[self.free] / np.sqrt(force[at]))
             if self.finer is not None and (node, name) in self.hinge_nodes:  # it was learned
                 k = first + self.hinge_nodes.index((node, name))
-                rows, columns, values = self.finer._core.stiffness_terms()[k]
-                term = Entries(rows, columns, factor.get(k, 1.0) * values)
+                term = self._learned(k, factor)
             found.append(Shape("support", -1, 0.0, node, 1.0, term, name=f"support at node {node} ({name})"))
         return found
 
