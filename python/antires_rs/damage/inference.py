@@ -639,6 +639,7 @@ def stepped(elements: Elements, view: View, share: float = 1.0) -> FloatArray:
 #: Intact tests that are simulated; heights at which a severity is looked at, rivals of each element, those
 #: most alike, structures that the baseline allows, and share of tests that find it.
 _DRAWS, _HEIGHTS, _RIVALS, _STRUCTURES, _NINE_OF_TEN = 4000, 200, 12, 16, 0.9
+_ALLOWED = 0.05  # largest distance (ln f) of roots that the baseline shows, in a structure that it allows
 #: Least error of how much a loss moves the values, in scatters of the factors: those of a wrong model explain
 #: a baseline that they do not describe. Set on grillage.
 _ERRS = 0.5
@@ -672,7 +673,7 @@ def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
 
 
 def _whitened(likelihood: Likelihood, n_candidates: int, draws: int) -> FloatArray:
-    """The same (1 + draws, m, n), of the model after the baseline and of others that the baseline allows."""
+    """The same (1 + k, m, n), of the model after the baseline and of those of some draws that it allows."""
     from scipy.linalg import cho_solve, solve_triangular
 
     error, n, now = likelihood.error, likelihood.n, likelihood.now
@@ -701,9 +702,14 @@ def _whitened(likelihood: Likelihood, n_candidates: int, draws: int) -> FloatArr
         x = np.hstack([np.zeros((draws, n)), np.exp(theta)])
         for each in roots_at(likelihood.core, x, slopes=True, threads=likelihood.threads):
             found, identity = each.since(error.intact)
-            rows = np.zeros((error.intact.size, n_candidates))
-            rows[identity[identity >= 0]] = found.slopes[identity >= 0, :n_candidates]
-            every.append(rows[root])
+            old = identity >= 0
+            rows, moved_by = np.zeros((error.intact.size, n_candidates)), np.zeros(error.intact.size)
+            rows[identity[old]] = found.slopes[old, :n_candidates]
+            moved_by[identity[old]] = np.abs(found.log_f[old] - error.intact.log_f[identity[old]])
+            # One that has lost a root, or has another, so that those beyond are taken for each other, is not
+            # a structure that the baseline allows.
+            if moved_by[root].max() < _ALLOWED:
+                every.append(rows[root])
     return np.array([solve_triangular(triangle, one, lower=True) for one in every])
 
 
