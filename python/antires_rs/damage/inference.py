@@ -697,7 +697,8 @@ def _whitened(likelihood: Likelihood, n_candidates: int, draws: int) -> FloatArr
         cross = error.rows[:, :p] * error.prior[:p]
         left = np.diag(error.prior[:p]) - (cross.T @ cho_solve(error.factor, cross) if cross.size else 0.0)
         size, ways = np.linalg.eigh(left)
-        scatter = np.random.default_rng(0).standard_normal((draws, p)) * np.sqrt(np.maximum(size, 0.0))
+        # By the symmetric root: the same structures in whatever order the sensors come.
+        scatter = np.random.default_rng(0).standard_normal((draws, p)) @ ways * np.sqrt(np.maximum(size, 0.0))
         theta = np.clip(error.theta + scatter @ ways.T, *np.log(BOUNDS))
         x = np.hstack([np.zeros((draws, n)), np.exp(theta)])
         for each in roots_at(likelihood.core, x, slopes=True, threads=likelihood.threads):

@@ -110,9 +110,9 @@ def _search(search: Search, prepared: Prepared, question: Question, found: Found
         found.others += _sensors(prepared, question.model)
     # What such a support carries loses as much by it: the values do not tell the two apart.
     for e in frame.grounded if type(frame) is Structure and likeliest.elements else ():
-        if fit := search.fits.get(own := (prepared.numbers.index(e),)):
+        if fit := search.fits.get(bar := (prepared.numbers.index(e),)):
             place = f"support of {question.model.element_label(e)} yields"
-            found.others.append(Shaped("support", place, fit.log_evidence, fit.view, halves=own))
+            found.others.append(Shaped("support", place, fit.log_evidence, fit.view, halves=bar))
     shapes = frame.shapes(prepared.stiffness_factors)
     if not shapes:
         return

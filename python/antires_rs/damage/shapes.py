@@ -89,7 +89,8 @@ class Shaped:
     severities: tuple[float, ...] = ()  # of elements that are as flexible
     low: tuple[float, ...] = ()
     high: tuple[float, ...] = ()
-    halves: tuple[int, ...] = ()  # the set that values do not tell from it: each has half of its prior
+    #: The set that values do not tell from it: each has half of its prior.
+    halves: tuple[int, ...] = field(default=(), kw_only=True)
 
 
 @dataclass
