@@ -256,6 +256,10 @@ class Structure:
         del left
         return self
 
+    def forms(self) -> list[Joined]:
+        """Structures that the model may stand for, where it is not simply one of them."""
+        return []
+
     def shapes(self, factor: Mapping[int, float]) -> list[Shape]:
         """A mass at each dof, or at two that are a node's: they follow each other, with the same mass, in
         different directions."""
@@ -570,16 +574,31 @@ class Frame(Structure):
         size = float(np.ptp(own))
         return np.asarray(2.0 * (own - own.min()) / size - 1.0 if size else np.zeros(own.size))
 
+    def forms(self) -> list[Joined]:
+        """As its elements move between their nodes, and with some springs of joints and supports."""
+        found = [self.finer or joined(self.model, [])]
+        for turn, move in product((0.0, *_HINGES[1:4]), (0.0, _SUPPORTS[1])):
+            other = self._on(turn, move)
+            kinds = {bool(name) for _, name in other.hinge_nodes}
+            if other.finer and kinds and kinds == {kind for kind, on in ((False, turn), (True, move)) if on}:
+                found.append(other.finer)
+        return found if self.finer or found[1:] else []
+
+    def _on(self, turn: float, move: float) -> Frame:
+        """With hinges and supports on springs, as :meth:`_refined` has them."""
+        other = copy(self)
+        other.hinges, other.hinge_nodes = {}, []
+        other.finer = other._refined(turn, move)
+        return other
+
     def hinged(self, left: Callable[[Structure], float]) -> Structure:
         """With springs between elements and the nodes at which they may turn, and under supports, of those
         stiffnesses with which least is ``left``; itself if it has no such node or is best as it is."""
-        found = [(left(self), 0.0, 0.0, self)]
+        found: list[tuple[float, float, float, Structure]] = [(left(self), 0.0, 0.0, self)]
         for turns, moves in ((_HINGES, (0.0,)), ((0.0, -1.0), _SUPPORTS)):
             best = min(found, key=lambda each: each[0])[1]
             for turn, move in product(dict.fromkeys(best if each < 0.0 else each for each in turns), moves):
-                other = copy(self)
-                other.hinges, other.hinge_nodes = {}, []
-                other.finer = other._refined(turn, move)
+                other = self._on(turn, move)
                 if other.hinge_nodes:
                     found.append((left(other), turn, move, other))
         return min(found, key=lambda each: each[0])[3]
