@@ -175,8 +175,9 @@ def test_what_warms_and_by_how_much():
     assert np.argsort(places).tolist() in ([0, 5, 1, 4, 2, 3], [3, 2, 4, 1, 5, 0])
 
 
-def test_supports_of_bars_and_rollers_are_seen_in_the_models():
-    """Bars on the ground are those of its ground springs; a pin yields by what its beams hold it with."""
+def test_supports_of_bars_rollers_and_a_base_are_seen_in_the_models():
+    """Bars on the ground are those of its ground springs; a pin yields by what its beams hold it with; a base
+    on a spring is as a softer lowest storey."""
     chain = ar.MassSpringChain(np.ones(7), np.full(6, 1e4), ground_first_n_per_m=8e3)
     assert structure_of(chain).grounded == [6]
     bar = ar.Rectangle(0.04, 0.008, 7.0e10, 2700.0)
@@ -194,6 +195,39 @@ def test_supports_of_bars_and_rollers_are_seen_in_the_models():
     rows, columns, values = pins[2].term
     np.subtract.at(yielded, (rows, columns), values)
     np.testing.assert_allclose(yielded, free, atol=1e-9 * np.abs(free).max())
+    based = structure_of(chain).based(lambda structure: 0.0)
+    k, m = (as_sparse(each).toarray() for each in (based.finer._core.stiffness(), based.finer._core.mass()))
+    assert m[7, 7] == 1.0
+    assert k[7, 7] == pytest.approx(8e3 * 31.0)
+    folded = k[:7, :7] - np.outer(k[:7, 7], k[7, :7]) / k[7, 7]
+    assert folded[0, 0] == pytest.approx(1e4 + 8e3 / (1.0 + 1.0 / 30.0))
+    assert [shape.name for shape in based.shapes({})[-2:]] == [
+        "spring under the base",
+        "base against tilting",
+    ]
+
+
+def bars(places, lines, free):
+    """A pin-jointed plane truss as matrices, masses of bars coupled as they are."""
+    mass, terms = 2.0 * np.eye(len(free)), []
+    for line in lines:
+        along = np.subtract(*(places[node] for node in line[::-1]))
+        rows = np.array([[float(each == (node, name)) for each in free] for node in line for name in "uv"])
+        stretch = rows.T @ [*-along, *along] / np.linalg.norm(along)
+        terms.append(1e6 * np.outer(stretch, stretch))
+        mass += rows.T @ np.kron([[0.2, 0.1], [0.1, 0.2]], np.eye(2)) @ rows
+    return ar.MatrixModel(sum(terms), mass, stiffness_terms=terms)
+
+
+def test_trusses_by_matrices_have_nodes_and_a_ground():
+    """Two dofs of a node get a mass together; a bar on the ground is seen at any angle."""
+    places = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0), (2.0, 0.0), (2.0, 1.0), (3.0, 0.0), (3.0, 1.0)]
+    lines = [(0, 2), (1, 2), (1, 3), (2, 3), (2, 4), (3, 5), (2, 5), (4, 5), (4, 6), (5, 7), (4, 7), (6, 7)]
+    free = [(node, name) for node in range(2, 8) for name in "uv"]
+    truss = structure_of(bars(places, lines, free))
+    assert truss.grounded == [0, 1, 2]  # the second at -45 degrees
+    names = [shape.name for shape in truss.shapes({})]
+    assert {f"dof {k} and dof {k + 1}" for k in range(0, 12, 2)} <= {*names}
 
 
 def test_what_moves_all_values_of_an_intact_test_is_no_scatter_of_each():
@@ -257,6 +291,18 @@ def test_candidates_alone_are_declared_springs_among_them():
     two = cracked(3, 0.2, 0.3).with_parameters(ar.stiffness_reduction(7), 0.3)
     rows = assessed(two, PLAIN, rng, elements=[1, 2]).hypotheses
     assert all({*row.elements} <= {1, 2} for row in rows if row.candidate)
+
+
+def test_a_sensor_that_moved_may_leave_some_of_its_values():
+    rng = np.random.default_rng(3)
+    before, now = measured(PLAIN, rng), measured(PLAIN, rng)
+    shifted = {dof: np.array(now[dof]) for dof in now}
+    label = max(now, key=lambda dof: now[dof].size)
+    shifted[label][:2] *= [1.04, 0.97]
+    std = {dof: STD * f for dof, f in shifted.items()}
+    now = ar.AntiresonanceSet(now.excitation, shifted, std_hz=std)
+    moved = f"sensor at {PLAIN.dof_label(label)} moved"
+    assert moved in ar.assess_damage(PLAIN, now, baseline=before).headline
 
 
 def test_what_was_found_before_ctrl_c_stays(monkeypatch):

@@ -18,11 +18,11 @@ from ..updating.posterior import between, log_between
 from ..updating.problem import Pairs, hint_between_states, roots_between
 from ..updating.reduced_model import ReductionReport
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together, without_idle
-from .likelihood import BOUNDS, ERRORS, Likelihood, Prepared, Question, ValueLikelihood, View
+from .likelihood import ERRORS, Likelihood, Prepared, Question, ValueLikelihood, View
 from .measured_states import Values, mostly_risen, roots_at
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import TOLERANCE, ReducedRoots
-from .shapes import CRACKED, Found, Shaped
+from .shapes import BOUNDS, CRACKED, Found, Shaped
 
 # -- The evidence of a set of damaged elements, from one view of the values
 #
@@ -471,7 +471,11 @@ class Search:
                 if self.likelihood.n == self.n_candidates:
                     unknown = float(np.log(self.prior.unknown + elsewhere))
                 for nth, one in enumerate(self.shaped.others):
-                    found[-2 - nth,] = one.log_evidence + float(np.log(elsewhere))
+                    if one.halves:
+                        found[one.halves] -= np.log(2.0)
+                        found[-2 - nth,] = found[one.halves]
+                    else:
+                        found[-2 - nth,] = one.log_evidence + float(np.log(elsewhere))
         return found | {UNKNOWN: self.likelihood.something_else + unknown}
 
     def shaped_as(self, key: Elements) -> Shaped | None:
@@ -635,6 +639,7 @@ def stepped(elements: Elements, view: View, share: float = 1.0) -> FloatArray:
 #: Intact tests that are simulated; heights at which a severity is looked at, rivals of each element, those
 #: most alike, structures that the baseline allows, and share of tests that find it.
 _DRAWS, _HEIGHTS, _RIVALS, _STRUCTURES, _NINE_OF_TEN = 4000, 200, 12, 16, 0.9
+_ALLOWED = 0.05  # largest distance (ln f) of roots that the baseline shows, in a structure that it allows
 #: Least error of how much a loss moves the values, in scatters of the factors: those of a wrong model explain
 #: a baseline that they do not describe. Set on grillage.
 _ERRS = 0.5
@@ -668,7 +673,7 @@ def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
 
 
 def _whitened(likelihood: Likelihood, n_candidates: int, draws: int) -> FloatArray:
-    """The same (1 + draws, m, n), of the model after the baseline and of others that the baseline allows."""
+    """The same (1 + k, m, n), of the model after the baseline and of those of some draws that it allows."""
     from scipy.linalg import cho_solve, solve_triangular
 
     error, n, now = likelihood.error, likelihood.n, likelihood.now
@@ -692,14 +697,20 @@ def _whitened(likelihood: Likelihood, n_candidates: int, draws: int) -> FloatArr
         cross = error.rows[:, :p] * error.prior[:p]
         left = np.diag(error.prior[:p]) - (cross.T @ cho_solve(error.factor, cross) if cross.size else 0.0)
         size, ways = np.linalg.eigh(left)
-        scatter = np.random.default_rng(0).standard_normal((draws, p)) * np.sqrt(np.maximum(size, 0.0))
+        # By the symmetric root: the same structures in whatever order the sensors come.
+        scatter = np.random.default_rng(0).standard_normal((draws, p)) @ ways * np.sqrt(np.maximum(size, 0.0))
         theta = np.clip(error.theta + scatter @ ways.T, *np.log(BOUNDS))
         x = np.hstack([np.zeros((draws, n)), np.exp(theta)])
         for each in roots_at(likelihood.core, x, slopes=True, threads=likelihood.threads):
             found, identity = each.since(error.intact)
-            rows = np.zeros((error.intact.size, n_candidates))
-            rows[identity[identity >= 0]] = found.slopes[identity >= 0, :n_candidates]
-            every.append(rows[root])
+            old = identity >= 0
+            rows, moved_by = np.zeros((error.intact.size, n_candidates)), np.zeros(error.intact.size)
+            rows[identity[old]] = found.slopes[old, :n_candidates]
+            moved_by[identity[old]] = np.abs(found.log_f[old] - error.intact.log_f[identity[old]])
+            # One that has lost a root, or has another, so that those beyond are taken for each other, is not
+            # a structure that the baseline allows.
+            if moved_by[root].max() < _ALLOWED:
+                every.append(rows[root])
     return np.array([solve_triangular(triangle, one, lower=True) for one in every])
 
 
@@ -891,7 +902,7 @@ def posterior(
                 own, probability, tuple(fit.beta.tolist()), low, high, not search.outside(elements)
             )
         rows.append((elements, row))
-    return sorted(rows, key=lambda row: (-row[1].probability, row[0]))
+    return sorted(rows, key=lambda row: (-row[1].probability, row[1].unknown, row[0]))
 
 
 def concluded(

@@ -52,7 +52,7 @@ from .measured_states import (
 )
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import ReducedRoots, Terms
-from .shapes import Joined, Structure, joined, parameters_of, structure_of
+from .shapes import BOUNDS, Chain, Joined, Structure, joined, parameters_of, structure_of
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -60,8 +60,6 @@ if TYPE_CHECKING:
 Core = Source | _core.Objective
 
 # -- What may be wrong in a model: a factor on every stiffness and every mass term
-
-BOUNDS = (0.2, 5.0)  # bounds of a factor, exp(-1.6) to exp(1.6): no model of an engineer is as wrong as that
 
 
 def factors_of(model: StructuralModel, factors: tuple[Parameter, ...] | None = None) -> tuple[Parameter, ...]:
@@ -144,6 +142,8 @@ _YIELDING, _NEAREST = np.array([0.0, -0.3, -0.6, -0.8, -1.0, -1.2, -1.5, -1.8]),
 #: A model with more scatter of its factors, or a larger error beside them, may lack something else; what its
 #: joints yield is believed where it makes the values so much more probable (ln).
 _DOUBTED_S, _DOUBTED_TAU, _CLEARLY = 0.06, 2e-3, 4.0
+#: The same of a base, and values for each mass that tell of it: a measured frame with three storeys gains 4.
+_PLAINLY, _TELLING = 8.0, 2
 _LOST = 0.05  # share of values without a root that asks for another first association
 _YIELDS = 1.0  # the bound of what joints of chains and matrices may yield
 _STEP, _REACH = 0.3, 1.6  # largest step of ln factor in one iteration, and its bound
@@ -1065,16 +1065,23 @@ class _Families(NamedTuple):
         family, structures = self.plain, [self.plain.structure]
         finer = structure_of(self.question.model, float(np.exp(intact.plain.log_f.max())))
         structures = [finer, *structures] if finer.finer else structures
-        for yields, clearly in ((False, 0.0), (True, _CLEARLY)):
-            if yields and not (self.question.model_error is None and error.doubtful):
+        for stage, clearly in enumerate((0.0, _CLEARLY, _PLAINLY)):
+            if stage and not (self.question.model_error is None and error.doubtful):
                 break
             least = error.log_evidence + clearly
             for structure in structures:
                 step("learning what its elements do between nodes, and what joints yield")
-                other = self.of(structure.hinged(self.left) if yields else structure, yields)
+                if stage == 1:
+                    structure = structure.hinged(self.left)
+                elif stage:
+                    many = intact.size >= _TELLING * self.question.model.n_dof
+                    if not (many and isinstance(structure, Chain)):
+                        continue
+                    structure = structure.based(self.left)
+                other = self.of(structure, stage > 0)
                 if other is not self.plain and (its := self.taught(other, intact)).log_evidence > least:
                     error, family, least = its, other, its.log_evidence
-                if yields and not error.doubtful:  # what resolves its waves needs no other
+                if stage and not error.doubtful:  # what resolves its waves needs no other
                     break
         return error, family
 

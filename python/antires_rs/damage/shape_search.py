@@ -106,15 +106,13 @@ def _search(search: Search, prepared: Prepared, question: Question, found: Found
     likeliest = max(search.fits.values(), key=lambda fit: fit.log_evidence)
     lost = plain.partner.size - plain.n_matched
     changed = too_much(plain) or lost > max(1, USUALLY_LOST * plain.partner.size)
-    if changed:
+    if changed or lost:
         found.others += _sensors(prepared, question.model)
     # What such a support carries loses as much by it: the values do not tell the two apart.
-    carried = frame.grounded if type(frame) is Structure and likeliest.elements else []
-    for e in carried:
-        if fit := search.fits.get((prepared.numbers.index(e),)):
+    for e in frame.grounded if type(frame) is Structure and likeliest.elements else ():
+        if fit := search.fits.get(bar := (prepared.numbers.index(e),)):
             place = f"support of {question.model.element_label(e)} yields"
-            prior = float(np.log(_ELSEWHERE["support"] / len(carried)))
-            found.others.append(Shaped("support", place, fit.log_evidence + prior, fit.view))
+            found.others.append(Shaped("support", place, fit.log_evidence, fit.view, halves=bar))
     shapes = frame.shapes(prepared.stiffness_factors)
     if not shapes:
         return
@@ -154,11 +152,12 @@ def _search(search: Search, prepared: Prepared, question: Question, found: Found
         _doubles(prepared, question, shapes, pairs, found)
 
 
-_MOVED = (3e-3, 1e-2, 3e-2, 1e-1)  # changes (ln f) of the values of a sensor that has moved
+_MOVED = (3e-3, 1e-2, 3e-2, 1e-1, 3e-1)  # changes (ln f) of the values of a sensor that has moved
+_MOVES = 0.5  # probability that such a value changes
 
 
 def _sensors(prepared: Prepared, model: StructuralModel) -> list[Shaped]:
-    """Each sensor, or place of the force, by itself moved: its values changed, and no others."""
+    """Each sensor, or place of the force, by itself moved: some of its values changed, and no others."""
     likelihood, responses = prepared.likelihood, prepared.responses
     assert isinstance(responses, Responses)
     now: Values = likelihood.now
@@ -168,15 +167,19 @@ def _sensors(prepared: Prepared, model: StructuralModel) -> list[Shaped]:
     moved_one = [(s, dof) for s, own in enumerate(sides) if len(own) >= _LEAST_SENSORS for dof in own]
     found: list[Shaped] = []
     for side, dof in moved_one:
-        logs, views = [], []
-        own = np.array([dof in several for several in ends[side]])
-        for moved in _MOVED:
-            views.append(likelihood.without_damage(np.where(own, moved, 0.0), 0.0))
-            logs.append(views[-1].log_likelihood)
-        prior = np.log(SENSOR / len(moved_one)) - np.log(len(_MOVED))
+        at = np.array([dof in several for several in ends[side]])
+        view = likelihood.without_damage(np.where(at, _MOVED[-1], 0.0), 0.0)
+        own = at[now.response[view.partner >= 0]]
+        residual, wide = view.residual[own], view.std[own] ** 2
+        # Independent by value: the same, or changed by one of these.
+        still = np.maximum(wide - _MOVED[-1] ** 2, 1e-12)
+        variance = still + np.square([0.0, *_MOVED])[:, None]
+        share = np.repeat([1.0 - _MOVES, _MOVES / len(_MOVED)], [1, len(_MOVED)])[:, None]
+        each = np.log(share) - 0.5 * (np.log(variance / wide) + residual**2 * (1.0 / variance - 1.0 / wide))
+        evidence = view.log_likelihood + float(np.logaddexp.reduce(each, axis=0).sum())
+        prior = float(np.log(SENSOR / len(moved_one)))
         place = f"{('sensor', 'force')[side]} at {model.dof_label(dof)} moved or changed"
-        view = views[int(np.argmax(logs))]
-        found.append(Shaped("sensor", place, float(np.logaddexp.reduce(logs) + prior), view))
+        found.append(Shaped("sensor", place, evidence + prior, view))
     return found
 
 

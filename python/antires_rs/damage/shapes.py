@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
 Kind = Literal["crack", "joint", "support", "mass"]
+#: Bounds of a factor of stiffness or mass, exp(-1.6) to exp(1.6): no engineer errs as much.
+BOUNDS = (0.2, 5.0)
 CRACKED = 0.3  # share of the prior of an element's damage that is of cracks
 
 PLACES = (0.1, 0.3, 0.5, 0.7, 0.9)  # places of cracks along an element
@@ -86,6 +89,8 @@ class Shaped:
     severities: tuple[float, ...] = ()  # of elements that are as flexible
     low: tuple[float, ...] = ()
     high: tuple[float, ...] = ()
+    #: The set that values do not tell from it: each has half of its prior.
+    halves: tuple[int, ...] = field(default=(), kw_only=True)
 
 
 @dataclass
@@ -217,13 +222,23 @@ class Structure:
             return None
         return np.linspace(-1.0, 1.0, len(terms))[np.argsort(np.argsort(ways[:, 1], kind="stable"))]
 
+    @cached_property
+    def _directions(self) -> NDArray[np.intp]:
+        """Direction of each dof, as masses couple those of one; one for all where that tells nothing."""
+        from scipy.sparse.csgraph import connected_components
+
+        count, found = connected_components(as_sparse(self.model._core.mass()), directed=False)
+        return found if count <= len(_TRANSLATIONS) else np.zeros(self.model.n_dof, dtype=np.intp)
+
     @property
     def grounded(self) -> list[int]:
         """Elements that stand on the ground, where that is seen: a shift of all strains few of them."""
-        terms = self.model._core.stiffness_terms()
-        pull = [np.abs(np.bincount(rows, values)).max(initial=0.0) for rows, _, values in terms]
-        size = [np.abs(values).max(initial=0.0) for *_, values in terms]
-        held = np.flatnonzero(np.array(pull) > _STRAINED * np.array(size)).tolist()
+        terms, held = self.model._core.stiffness_terms(), []
+        shifts = self._directions == np.arange(self._directions.max() + 1)[:, None]
+        for nth, (rows, columns, values) in enumerate(terms):
+            pulls = [np.abs(np.bincount(rows, values * shift[columns])).max(initial=0.0) for shift in shifts]
+            if max(pulls) > _STRAINED * np.abs(values).max(initial=0.0):
+                held.append(nth)
         return held if 2 * len(held) < len(terms) else []
 
     @property
@@ -241,10 +256,25 @@ class Structure:
         del left
         return self
 
-    def shapes(self, factor: Mapping[int, float]) -> list[Shape]:
-        """What may change beside the losses of elements."""
-        del factor
+    def forms(self) -> list[Joined]:
+        """Structures that the model may stand for, where it is not simply one of them."""
         return []
+
+    def shapes(self, factor: Mapping[int, float]) -> list[Shape]:
+        """A mass at each dof, or at two that are a node's: they follow each other, with the same mass, in
+        different directions."""
+        del factor
+        mass, named = as_sparse(self.model._core.mass()), self.model.dof_label
+        own, n = mass.diagonal(), self.model.n_dof
+        if n > _MOST_DOFS:
+            return []
+        most, way = _MOST_MASS * float(own.sum()), self._directions
+        pairs = [(k, k + 1) for k in range(n - 1) if way[k] != way[k + 1] and np.isclose(own[k], own[k + 1])]
+        alone = [(k,) for k in range(n) if not any(k in pair for pair in pairs) and own[k] > 0.0]
+        return [
+            Shape("mass", -1, 0.0, at[0], most, _masses(most, at), name=" and ".join(map(named, at)))
+            for at in (*pairs, *alone)
+        ]
 
     def joints(self) -> list[Shape]:
         """What the model may lack: the mass at each dof."""
@@ -252,6 +282,12 @@ class Structure:
             return []
         own = enumerate(np.asarray(self.model.mass().diagonal()).tolist())
         return [Shape("mass", -1, 0.0, dof, kg, _masses(kg, [dof])) for dof, kg in own if kg > 0.0]
+
+    def _learned(self, k: int, factor: Mapping[int, float]) -> Entries:
+        """A term of the finer model as the baseline has it."""
+        assert self.finer is not None
+        rows, columns, values = self.finer._core.stiffness_terms()[k]
+        return Entries(rows, columns, factor.get(k, 1.0) * values)
 
     def cracks(self, element: int, shares: Sequence[float], factor: Mapping[int, float]) -> list[Shape]:
         """None."""
@@ -264,6 +300,7 @@ class Structure:
         return []
 
 
+_BASES = (30.0, 10.0, 4.0, 2.0)  # springs under a base, over that of the lowest storey
 _TILTS = (1, 2, 3)  # powers of the height with which a building tilts and bends as a whole
 
 
@@ -276,22 +313,63 @@ class Chain(Structure):
         return np.concatenate([np.linspace(-1.0, 1.0, max(self.model.n_dof - 1, 1)), [-1.0, 1.0]])
 
     def shapes(self, factor: Mapping[int, float]) -> list[Shape]:
-        """A mass at each of the masses."""
+        """A mass at each of the masses; and the base."""
         most = _MOST_MASS * float(np.diag(np.asarray(self.model.mass())).sum())
         nodes, named = range(self.model.n_dof), self.model.mass_label
-        return [Shape("mass", -1, 0.0, k, most, _masses(most, [k]), name=named(k)) for k in nodes]
+        found = [Shape("mass", -1, 0.0, k, most, _masses(most, [k]), name=named(k)) for k in nodes]
+        if self.finer is not None:  # it was learned that the base moves
+            spring = self._learned(self.model._core.n_stiffness_terms, factor)
+            found.append(Shape("support", -1, 0.0, -1, 1.0, spring, name="spring under the base"))
+            found.append(replace(self.joints()[0], kind="support", node=0, name="base against tilting"))
+        return found
+
+    @property
+    def _stands(self) -> tuple[int, int] | None:
+        """Its spring to the ground, where it has one, and the mass on that."""
+        last, recipe = self.model.n_dof - 1, self.model._recipe
+        first, second = recipe.ground_first_n_per_m != 0.0, recipe.ground_last_n_per_m != 0.0
+        return None if first == second else (last, 0) if first else (last + 1, last)
+
+    def based(self, left: Callable[[Structure], float]) -> Chain:
+        """With a base of its own, as heavy as the mass above it, on a spring with which least is left."""
+        if self._stands is None:
+            return self
+        core, n, (term, foot) = self.model._core, self.model.n_dof, self._stands
+        terms, masses = core.stiffness_terms(), core.mass_terms()
+        stiff, mass = float(np.sum(terms[term][2])), as_sparse(core.mass()).diagonal()[foot]
+        under = np.array([foot, n, n]), np.array([n, foot, n]), stiff * np.array([-1.0, -1.0, 1.0])
+        terms[term], base = _together([terms[term], under]), _masses(mass, [n])
+        found: list[tuple[float, Chain]] = []
+        for times in _BASES:
+            other, spring = copy(self), _masses(times * stiff, [n])
+            whole = _together([_entries(core.stiffness()), under, spring])
+            heavy = _together([_entries(core.mass()), base])
+            made = CoreModel.from_matrices(n + 1, whole, heavy, [*terms, spring], [*masses, base])
+            other.finer = Joined(n + 1, made)
+            found.append((left(other), other))
+        return min(found, key=lambda each: each[0])[1]
+
+    @property
+    def yielding(self) -> tuple[Parameter, ...]:
+        """The spring and the mass of the base."""
+        if self.finer is None:
+            return ()
+        core = self.model._core
+        stiffness = Parameter("stiffness_factor", (core.n_stiffness_terms,), BOUNDS)
+        return stiffness, Parameter("mass_factor", (core.n_mass_terms,), BOUNDS)
 
     def joints(self) -> list[Shape]:
         """What tilting and bending leave of the stiffness, by the formula of a hinge."""
-        recipe, n = self.model._recipe, self.model.n_dof
-        first, last = recipe.ground_first_n_per_m != 0.0, recipe.ground_last_n_per_m != 0.0
-        if first == last:
+        if self._stands is None:
             return []
-        stiffness = np.asarray(self.model.stiffness())
-        height = np.arange(1.0, n + 1.0)[:: 1 if first else -1] / n
+        n, (_, foot) = self.model.n_dof, self._stands
+        stiffness: Any = self.model.stiffness()  # dense for a chain
+        if self.finer is not None:
+            stiffness = as_sparse(self.finer._core.stiffness()).toarray()
+        height = np.arange(1.0, n + 1.0)[:: -1 if foot else 1] / n
         found = []
         for power in _TILTS:
-            way = height**power
+            way = np.pad(height**power, (0, len(stiffness) - n))
             force = stiffness @ way
             found.append(Shape("joint", -1, 0.0, -1, 1.0, _product(force / np.sqrt(way @ force))))
         return found
@@ -496,16 +574,31 @@ class Frame(Structure):
         size = float(np.ptp(own))
         return np.asarray(2.0 * (own - own.min()) / size - 1.0 if size else np.zeros(own.size))
 
+    def forms(self) -> list[Joined]:
+        """As its elements move between their nodes, and with some springs of joints and supports."""
+        found = [self.finer or joined(self.model, [])]
+        for turn, move in product((0.0, *_HINGES[1:4]), (0.0, _SUPPORTS[1])):
+            other = self._on(turn, move)
+            kinds = {bool(name) for _, name in other.hinge_nodes}
+            if other.finer and kinds and kinds == {kind for kind, on in ((False, turn), (True, move)) if on}:
+                found.append(other.finer)
+        return found if self.finer or found[1:] else []
+
+    def _on(self, turn: float, move: float) -> Frame:
+        """With hinges and supports on springs, as :meth:`_refined` has them."""
+        other = copy(self)
+        other.hinges, other.hinge_nodes = {}, []
+        other.finer = other._refined(turn, move)
+        return other
+
     def hinged(self, left: Callable[[Structure], float]) -> Structure:
         """With springs between elements and the nodes at which they may turn, and under supports, of those
         stiffnesses with which least is ``left``; itself if it has no such node or is best as it is."""
-        found = [(left(self), 0.0, 0.0, self)]
+        found: list[tuple[float, float, float, Structure]] = [(left(self), 0.0, 0.0, self)]
         for turns, moves in ((_HINGES, (0.0,)), ((0.0, -1.0), _SUPPORTS)):
             best = min(found, key=lambda each: each[0])[1]
             for turn, move in product(dict.fromkeys(best if each < 0.0 else each for each in turns), moves):
-                other = copy(self)
-                other.hinges, other.hinge_nodes = {}, []
-                other.finer = other._refined(turn, move)
+                other = self._on(turn, move)
                 if other.hinge_nodes:
                     found.append((left(other), turn, move, other))
         return min(found, key=lambda each: each[0])[3]
@@ -515,7 +608,7 @@ class Frame(Structure):
         """Springs, and those of the hinges, one a node."""
         first = self.model._core.n_stiffness_terms
         turning = range(first, first + len(self.hinge_nodes))
-        return (*self.springs, *(Parameter("stiffness_factor", (k,), (0.2, 5.0)) for k in turning))
+        return (*self.springs, *(Parameter("stiffness_factor", (k,), BOUNDS) for k in turning))
 
     @property
     def springs(self) -> tuple[Parameter, ...]:
@@ -523,7 +616,7 @@ class Frame(Structure):
         first, last = len(self.ends), self.model._core.n_stiffness_terms
         terms = [self.model._core.stiffness_terms()[k] for k in range(first, last)]
         held = [first + k for k, term in enumerate(terms) if np.any(term[2])]
-        return tuple(Parameter("stiffness_factor", (k,), (0.2, 5.0)) for k in held)
+        return tuple(Parameter("stiffness_factor", (k,), BOUNDS) for k in held)
 
     def _pins(self, factor: Mapping[int, float]) -> list[Shape]:
         """Pins and rollers that yield; a clamp turns first."""
@@ -539,8 +632,7 @@ class Frame(Structure):
             term = _product(force[self.free] / np.sqrt(force[at]))
             if self.finer is not None and (node, name) in self.hinge_nodes:  # it was learned
                 k = first + self.hinge_nodes.index((node, name))
-                rows, columns, values = self.finer._core.stiffness_terms()[k]
-                term = Entries(rows, columns, factor.get(k, 1.0) * values)
+                term = self._learned(k, factor)
             found.append(Shape("support", -1, 0.0, node, 1.0, term, name=f"support at node {node} ({name})"))
         return found
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from .. import _core
 from ..damage.measured_states import LEAST_STD, SHOWN, Roots, roots_at
+from ..damage.shapes import Joined
 from ..models.parameters import Parameter
 from ..models.structural_model import End, StructuralModel, members
 from ..support.checks import BoolArray, ComplexArray, FloatArray, IntArray, finite_scalar
@@ -31,6 +32,8 @@ class Layout:
     force: End
     band_hz: tuple[float, float]
     sees: str
+    #: The model with more than it was built with, where its roots are to be those of this.
+    base: StructuralModel | Joined | None = None
 
     @property
     def responses(self) -> tuple[End, ...]:
@@ -45,7 +48,7 @@ class Layout:
         """The core's objective of the responses, for its roots up to ``high_hz`` (and none of its values)."""
         parts = [(dof, self.force, np.array([high_hz / _MARGIN]), sees, 0) for dof in self.responses]
         core = self.model.description.core_parameters(parameters)
-        return antiresonance_objective(self.model, core, parts, "squared", None, 0.0, None)
+        return antiresonance_objective(self.base or self.model, core, parts, "squared", None, 0.0, None)
 
     def inside(self, roots: Roots) -> BoolArray:
         """Which roots lie in the band."""
@@ -275,6 +278,27 @@ class Information:
         return np.asarray(each.min(axis=1) + _MEAN * each.mean(axis=1))
 
 
+@dataclass(frozen=True)
+class Several:
+    """Information in each of some structures that the model may stand for: a set is worth their mean."""
+
+    each: tuple[Information, ...]
+
+    @property
+    def n_candidates(self) -> int:
+        """How many may get a sensor."""
+        return self.each[0].n_candidates
+
+    def worth(self, chosen: Sequence[int], criterion: str) -> float:
+        """Worth of a set of candidates; the larger the better."""
+        return float(self.worths(np.array([chosen], dtype=np.intp), criterion)[0])
+
+    def worths(self, sets: IntArray, criterion: str, *, all_shown: bool = False) -> FloatArray:
+        """Worth of each of several sets, as of :class:`Information`."""
+        found = [each.worths(sets, criterion, all_shown=all_shown) for each in self.each]
+        return np.asarray(np.mean(found, axis=0))
+
+
 def information(roots: VirtualRoots, layout: Layout, spread: FloatArray, tests: int) -> Information:
     """Of one force; ``spread`` (p,) are the units, ``tests`` the number of values in each difference."""
     responses = layout.responses
@@ -336,7 +360,7 @@ class Placed:
     rounds: tuple[Round, ...]
 
 
-def greedy(information: Information, n: int, criterion: str) -> Placed:
+def greedy(information: Several, n: int, criterion: str) -> Placed:
     """Greedy with exchange."""
     count = information.n_candidates
     directions = (False, True) if count <= _MOST_BACKWARDS else (False,)
@@ -344,7 +368,7 @@ def greedy(information: Information, n: int, criterion: str) -> Placed:
     return max([_exchanged(information, criterion, end) for end in ends], key=lambda one: one.worth)
 
 
-def exhaustive(information: Information, n: int, criterion: str) -> Placed:
+def exhaustive(information: Several, n: int, criterion: str) -> Placed:
     """Of all sets of n candidates the best."""
     every = combinations(range(information.n_candidates), n)
     best = -np.inf, tuple(range(n))
@@ -355,7 +379,7 @@ def exhaustive(information: Information, n: int, criterion: str) -> Placed:
     return Placed(best[1], best[0], ())
 
 
-def _one_by_one(information: Information, n: int, criterion: str, backwards: bool) -> Placed:
+def _one_by_one(information: Several, n: int, criterion: str, backwards: bool) -> Placed:
     """The sensor that adds most joins; or, backwards, from all candidates, the one missed least goes."""
     every = list(range(information.n_candidates))
     chosen = every if backwards else []
@@ -372,7 +396,7 @@ def _one_by_one(information: Information, n: int, criterion: str, backwards: boo
     return Placed(tuple(chosen), worth, tuple(rounds))
 
 
-def _exchanged(information: Information, criterion: str, start: Placed) -> Placed:
+def _exchanged(information: Several, criterion: str, start: Placed) -> Placed:
     chosen, worth, rounds = list(start.chosen), start.worth, list(start.rounds)
     while better := _better(information, criterion, chosen, worth):
         worth, joins, goes = better
@@ -383,7 +407,7 @@ def _exchanged(information: Information, criterion: str, start: Placed) -> Place
 
 
 def _better(
-    information: Information, criterion: str, chosen: list[int], worth: float
+    information: Several, criterion: str, chosen: list[int], worth: float
 ) -> tuple[float, tuple[int, ...], tuple[int, ...]] | None:
     """The best exchange of one sensor or, if none helps and there are not too many, of two."""
     outside = [c for c in range(information.n_candidates) if c not in chosen]
@@ -408,7 +432,7 @@ def _better(
 
 
 def _promising(
-    information: Information, criterion: str, kept: list[int], outside: list[int], size: int, least: float
+    information: Several, criterion: str, kept: list[int], outside: list[int], size: int, least: float
 ) -> list[tuple[int, ...]]:
     """What may join the kept ones and be worth more than ``least``: one or two, these by what each adds."""
     if size == 1 or information.sets is not None or criterion != "determinant" or not kept:

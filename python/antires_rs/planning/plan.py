@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -12,6 +12,7 @@ from .. import _core
 from ..damage.assess import elements_of
 from ..damage.inference import smallest_found
 from ..damage.options import DamagePrior
+from ..damage.shapes import structure_of
 from ..exceptions import reject
 from ..measured.antiresonance_set import aligned
 from ..models.parameters import Parameter, parameter_name, parameter_tuple, stiffness_reduction
@@ -235,7 +236,9 @@ def plan_test(
     Notes
     -----
     Information of small changes, at the model as it is (D-optimality: Kammer 1991, Papadimitriou 2004); of
-    larger damage see :func:`detectability`. A band without antiresonances is an ``InvalidInputError``.
+    larger damage see :func:`detectability`. Sets for a frame are compared by their mean over structures that
+    it may stand for: their elements move between the nodes, joints turn and supports yield, as the
+    assessment learns them. A band without antiresonances is an ``InvalidInputError``.
 
     Examples
     --------
@@ -259,21 +262,25 @@ def plan_test(
         reject("n_sensors", f"{n} of {most} candidates", f"{least} to {most}", "Allow more dofs.")
     threads = thread_count(workers)
     find = placement.exhaustive if search == "exhaustive" else placement.greedy
-    plans: dict[End, tuple[placement.Placed, placement.Information]] = {}
+    plans: dict[End, tuple[placement.Placed, placement.Information, placement.Several]] = {}
     found: dict[End, placement.VirtualRoots] = {}
+    forms = structure_of(model, band[1]).forms()
     with waiting("planning", progress):
         for nth, force in enumerate(forces):
             step(f"force {nth + 1} of {len(forces)}")
             layout = placement.Layout(model, tuple(sensors), force, band, sees)
-            roots = placement.virtual_roots(layout, parameters, nominal, errors, threads)
-            found[force] = roots
+            every = [layout, *(replace(layout, base=form) for form in forms)]
+            rooted = [placement.virtual_roots(one, parameters, nominal, errors, threads) for one in every]
+            found[force] = rooted[0]
             # Severities come from the difference of two tests, parameters from one.
-            told = placement.information(roots, layout, spread, 1 if numbers is None else 2)
-            plans[force] = find(told, n, criterion), told
+            tests = 1 if numbers is None else 2
+            told, *others = (placement.information(one, layout, spread, tests) for one in rooted)
+            several = placement.Several(tuple(others) or (told,))
+            plans[force] = find(several, n, criterion), told, several
 
     def shown(force: End, chosen: Sequence[int] = ()) -> int:
         """Antiresonances of the chosen that not all of them share."""
-        placed, told = plans[force]
+        placed, told, _ = plans[force]
         own = chosen or placed.chosen
         return int(np.isin(found[force].sensor, told.responses(own)).sum()) - told.n_hidden(own)
 
@@ -287,15 +294,15 @@ def plan_test(
         return smallest_found(slopes, prior or DamagePrior(), n_values=shown(force, chosen))
 
     def value(force: End, chosen: Sequence[int]) -> float:
-        told = plans[force][1]
+        _, told, several = plans[force]
         if criterion == "determinant":
-            return told.worth(chosen, criterion)
+            return several.worth(chosen, criterion)
         if numbers is not None:
             return float(detectable(force, chosen).max())
         return float(1.0 / np.sqrt(1.0 + np.diag(told.of(chosen)).min()))
 
     order = sorted(plans, key=lambda force: -plans[force][0].worth)
-    placed, told = plans[order[0]]
+    placed, told, _ = plans[order[0]]
     roots, everywhere = found[order[0]], range(len(sensors))
     responses = placement.Layout(model, tuple(sensors), order[0], band, sees).responses
     of_placed = placed.chosen if isinstance(order[0], int) else told.responses(placed.chosen).tolist()

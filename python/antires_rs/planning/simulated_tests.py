@@ -13,9 +13,10 @@ import numpy as np
 from .. import _core
 from ..damage.assess import assess_damage
 from ..damage.inference import HIGHEST, intact_slopes, log_odds_threshold
-from ..damage.likelihood import BOUNDS, ERRORS, Likelihood, ModelError, factors_of, learned
+from ..damage.likelihood import ERRORS, Likelihood, ModelError, factors_of, learned
 from ..damage.measured_states import FALSE, FOUND, Roots, Values, follow, roots_at
 from ..damage.options import DamagePrior, SearchOptions
+from ..damage.shapes import BOUNDS
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameters import stiffness_reduction
 from ..support.checks import BoolArray, FloatArray, IntArray

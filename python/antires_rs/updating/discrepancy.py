@@ -18,9 +18,8 @@ import numpy as np
 
 from ..models.structural_model import StructuralModel
 from ..support.checks import BoolArray, FloatArray
-from .problem import UpdatingProblem
+from .problem import MOST_DOFS, UpdatingProblem
 
-_MOST_DOFS = 600  # the modes of larger models take too long
 _NONE = 1e-9  # a share of the largest below which there is nothing
 
 
@@ -29,7 +28,7 @@ def likely_errors(problem: UpdatingProblem, x: FloatArray, kept: BoolArray) -> F
     masses, springs, shapes of its elements, a factor on all; its diagonal has the mean 1. None of modes,
     of large models, and where dofs have no mass."""
     measured = problem.measured_dofs, problem.measured_excitations
-    if measured[0] is None or measured[1] is None or problem.model.n_dof > _MOST_DOFS:
+    if measured[0] is None or measured[1] is None or problem.model.n_dof > MOST_DOFS:
         return None
     from scipy.linalg import eigh
 

@@ -364,12 +364,12 @@ _BETWEEN: tuple[tuple[float, str], ...] = (
 )
 _SHARE, _BETTER = 0.7, 1.3  # so many of values and roots have a partner, so many more than without
 _ORDINARY = 0.1  # nearer to 1, in ln f, a ratio is an error of the model as any has, and what updating is for
-_MOST_DOFS = 600  # larger models take too long to be asked for all their roots
+MOST_DOFS = 600  # larger models take too long to be asked for all their roots or modes
 
 
 def hint_of(model: StructuralModel, targets: Targets) -> str:
     """A mistake that would account for values that the model does not explain; '' if none is known."""
-    if model.n_dof > _MOST_DOFS:
+    if model.n_dof > MOST_DOFS:
         return ""
     if isinstance(targets, AntiresonanceTargets):
         values = _values(targets)
