@@ -6,7 +6,7 @@
 
 use super::placement::place;
 use super::search::Found;
-use super::secular::{FAR_RATIO, INFINITY_RATIO};
+use super::secular::{Certainty, FAR_RATIO, INFINITY_RATIO};
 use crate::modal::receptance::Receptance;
 use crate::modal::solved::Solved;
 
@@ -22,18 +22,21 @@ const HALVINGS: usize = 20;
 /// Farthest that it may go, relatively.
 const NEAR: f64 = 1e-4;
 
-/// Adds those of `h` up to `ceiling` to `found`.
+/// Adds those of `h` up to `ceiling` to `found`; doubtful where the structure is too small for factors.
 pub(super) fn add_roots(
     solved: &mut Solved<'_>,
     ends: (usize, usize),
     h: &Receptance,
     ceiling: f64,
     found: &mut Found,
-) {
+) -> Certainty {
     let massless = solved.dense_in_hand().is_some_and(|all| all.eigenvalues().len() < solved.n_dof());
     let last = h.poles.last().copied().unwrap_or_default();
     if !massless || h.constant != 0.0 || h.is_zero || last <= 0.0 {
-        return;
+        return Certainty::Proven;
+    }
+    if !solved.is_reducible() {
+        return Certainty::Doubtful;
     }
     let highest = ceiling.min(INFINITY_RATIO * last);
     let mut before = None;
@@ -53,6 +56,7 @@ pub(super) fn add_roots(
         }
         x *= STEP;
     }
+    Certainty::Proven
 }
 
 /// Whether H is positive at `x`; none where rounding hides it.
@@ -62,7 +66,12 @@ fn sign(solved: &mut Solved<'_>, ends: (usize, usize), x: f64) -> Option<bool> {
 }
 
 /// A place near the root between two points, of which H is positive at the lower one or not.
-fn halved(solved: &mut Solved<'_>, ends: (usize, usize), (low, high): (f64, f64), positive: bool) -> Option<f64> {
+fn halved(
+    solved: &mut Solved<'_>,
+    ends: (usize, usize),
+    (low, high): (f64, f64),
+    positive: bool,
+) -> Option<f64> {
     let (mut low, mut high) = (low, high);
     for _ in 0..HALVINGS {
         let middle = (low * high).sqrt();

@@ -209,7 +209,9 @@ impl SymmetricSolver {
         };
         let mut factor = part(k, &gone, &gone);
         let memory = MemStack::new(&mut self.memory);
-        if cholesky_in_place(factor.as_mut(), Default::default(), Par::Seq, memory, Default::default()).is_err() {
+        if cholesky_in_place(factor.as_mut(), Default::default(), Par::Seq, memory, Default::default())
+            .is_err()
+        {
             return Ok(false);
         }
         let mut carried = part(k, &gone, &kept);
