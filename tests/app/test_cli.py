@@ -153,6 +153,11 @@ def test_report_of_a_result_and_of_its_folder(tmp_path, capsys):
     assert cli.main(["report", result, "--out", page, *more]) == 0
     written = json.loads(capsys.readouterr().out)
     assert "Chain &lt;8&gt;" in (tmp_path / "a.html").read_text()
+    assert cli.main(["report", result, "--out", page]) == 0  # its own it writes anew
+    (tmp_path / "thesis.html").write_text("<html>mine")
+    assert cli.main(["report", result, "--out", str(tmp_path / "thesis.html")]) == 2
+    assert (tmp_path / "thesis.html").read_text() == "<html>mine"
+    capsys.readouterr()
     drawn = set(os.listdir(tmp_path / "pictures"))
     assert drawn == {os.path.basename(file) for file in written["pictures"]}
     assert drawn == {"damage.png", "model.png", "differences.png", "convergence.png"}

@@ -1,6 +1,7 @@
 """The server of the page without a browser: who is answered, and what commands do."""
 
 import json
+import os
 import socket
 import threading
 from urllib.error import HTTPError
@@ -46,6 +47,19 @@ def test_only_who_has_the_token_is_answered(served, tmp_path):
                 assert asked(served, path, body, token=token)[0] in (403, 405), path
         assert asked(served, path, token="")[0] == 403, path
     assert not list(tmp_path.iterdir())
+
+
+def test_the_arguments_of_the_browser_tell_no_token(served, tmp_path, monkeypatch):
+    monkeypatch.setattr("pathlib.Path.home", lambda: tmp_path)
+    addresses = []
+    monkeypatch.setattr("webbrowser.open", lambda address: addresses.append(address) or True)
+    assert served.in_browser()
+    (file,) = tmp_path.iterdir()
+    assert addresses == [file.as_uri()]
+    assert served.url in file.read_text()
+    assert os.name != "posix" or file.stat().st_mode & 0o777 == 0o600
+    served.stop()
+    assert not file.exists()
 
 
 def test_other_pages_and_bent_names_are_refused(served):

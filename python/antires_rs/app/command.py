@@ -79,6 +79,9 @@ def show(as_json: bool, data: Any, text: object) -> None:
     print(json.dumps(data, indent=1, allow_nan=False) if as_json else printable(shell_words(str(text))))
 
 
+_HEAD = 100_000  # bytes of a file, the styles of a report among them, in which it says whose it is
+
+
 def new_file(option: str, file: Path | None, *endings: str) -> None:
     """Refuse a file that could not be written, before anything is computed for it."""
     if file is None:
@@ -88,6 +91,17 @@ def new_file(option: str, file: Path | None, *endings: str) -> None:
         wanted, remedy = "a file in a folder that exists", f"Make {str(file.parent)!r} first."
     if file.suffix not in endings or not file.parent.is_dir():
         raise InvalidInputError(option, repr(str(file)), wanted, remedy)
+    if option == "--out" and file.exists() and not _is_ours(file):
+        got, wanted = f"{str(file)!r}, which exists and is not of antires_rs", "a new file, or one that antires_rs wrote"
+        raise InvalidInputError(option, got, wanted, "Choose another name, or move that file away.")
+
+
+def _is_ours(file: Path) -> bool:
+    """Whether a file was written by antires_rs: sets and reports name it in their first lines."""
+    if not file.is_file():
+        return False
+    with open(file, "rb") as opened:
+        return b"antires_rs" in opened.read(_HEAD)
 
 
 def existing(

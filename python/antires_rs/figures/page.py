@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import sys
+import tempfile
 import threading
 import time
 import webbrowser
@@ -37,6 +39,7 @@ class Page:
         self._stopping: asyncio.Event | None = None
         self._failed: BaseException | None = None
         self.url = ""
+        self._redirect: Path | None = None
 
     def show(self, view: View) -> None:
         """What is served, where it was not there when the page was opened: browsers are slow to begin too."""
@@ -64,6 +67,19 @@ class Page:
         self._ready.wait()
         if self._failed is not None:
             raise self._failed
+
+    def in_browser(self) -> bool:
+        """Open it, by a file that redirects: all users of a computer see the arguments of a browser."""
+        home = Path.home()
+        with suppress(OSError):
+            # In the open: browsers in a sandbox see neither hidden folders nor those of other programs.
+            place = home if os.access(home, os.W_OK) else None
+            handle, name = tempfile.mkstemp(".html", "antires_look_", place)  # of mode 0600
+            self._redirect = Path(name)
+            with open(handle, "w", encoding="utf-8") as file:
+                file.write(f'<!doctype html><meta http-equiv="refresh" content="0;url={self.url}">')
+            return webbrowser.open(self._redirect.as_uri())
+        return False
 
     def wait(self) -> None:
         """Return when the page was closed, or Ctrl-C."""
@@ -95,6 +111,8 @@ class Page:
         except BaseException as exc:  # raised in the thread that started this one
             self._failed = exc
         finally:
+            if self._redirect is not None:
+                self._redirect.unlink(missing_ok=True)
             self._over.set()
             self._ready.set()
 
@@ -146,7 +164,7 @@ def opened(
             display(IFrame(page.url, width="100%", height=INLINE_PX))
         else:
             say(f"looking at {title}: {page.url}")
-            if browser and not webbrowser.open(page.url):
+            if browser and not page.in_browser():
                 say("No browser was found; open that address.")
         page.show(make())
     except BaseException as exc:

@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 from ..exceptions import reject
 from ..support.checks import finite_scalar, shape_of
 from ._child import Answer, matches
-from .common import unsuitable
+from .common import most_bytes, unsuitable
 from .options import Reading
 from .own_format import read_archive
 from .raw_arrays import ROLES, array_of
 
 #: Share of the memory that arrays may take; the rest is for the archive in which they are handed over.
 _SHARE = 0.3
+_OR = " (or ANTIRES_MAX_BYTES, if it is set)"
 READER = Path(__file__).with_name("_child.py")  # the program of the child
 #: What reads in the child: its path and the request give arrays, texts and what was listed.
 Function = Callable[[str, dict[str, Any]], Answer]
@@ -60,14 +61,17 @@ def in_a_child(
 
     time_limit_s = finite_scalar("time_limit_s", limits.time_limit_s, low=0.0, low_open=True, unit="s")
     memory_gb = finite_scalar("memory_limit_gb", limits.memory_limit_gb, low=0.0, low_open=True, unit="GB")
-    limits = Limits(time_limit_s, memory_gb)
+    most_gb = memory_gb
+    if "ANTIRES_MAX_BYTES" in os.environ:
+        most_gb = min(memory_gb, most_bytes(file) / (_SHARE * 2**30))
+    limits = Limits(time_limit_s, most_gb)
     asked = [] if given is None else list(_texts(given.responses))
     only = None
     if given is not None and asked:
         roles = (given.time, given.freq, None if given.force == "auto" else given.force)
         names = [*asked, *(name for each in roles for name in _texts(each))]
         only = list(dict.fromkeys(each for name in names for each in (name, array_of(name))))
-    request = {"memory_gb": memory_gb, "most_bytes": int(_SHARE * memory_gb * 2**30), **more}
+    request = {"memory_gb": memory_gb, "most_bytes": int(_SHARE * most_gb * 2**30), **more}
     request |= {"only": only, "roles": sorted(ROLES)}
     with tempfile.TemporaryDirectory(prefix="antires_") as folder:
         out = Path(folder) / "arrays.npz"
@@ -90,8 +94,8 @@ def in_a_child(
     if large:
         name, shape = max(large, key=lambda each: float(np.prod([float(n) for n in each[1]])))
         problem = f"with {name} of {'x'.join(map(str, shape))} values"
-        remedy = "Name the responses= to be read, which leaves the others alone, or raise memory_limit_gb."
-        unsuitable(file, problem, f"arrays that fit into {_SHARE * memory_gb:.3g} GB twice", remedy)
+        remedy = f"Name the responses= to be read, which leaves the others alone, or raise memory_limit_gb{_OR}."
+        unsuitable(file, problem, f"arrays that fit into {_SHARE * most_gb:.3g} GB twice", remedy)
     for name, shape, _ in listed:
         if name not in found and len(shape) > 2:  # told of, never filled
             found[name] = np.broadcast_to(np.float64(0.0), shape)
@@ -123,7 +127,7 @@ def _run(file: Path, wanted: str, arguments: list[str], limits: Limits, out: Pat
         return
     said = (done.stderr.strip().splitlines() or [f"the reader ended with code {done.returncode}"])[-1]
     if said.startswith("MemoryError"):
-        remedy = "Name the responses= to be read, or raise memory_limit_gb, if it is not damaged."
+        remedy = f"Name the responses= to be read, or raise memory_limit_gb{_OR}, if it is not damaged."
         unsuitable(file, f"which takes more than {limits.memory_limit_gb:.3g} GB", wanted, remedy)
     if said.startswith("Unfit: "):
         unsuitable(file, f"in which {said[7:400]}", wanted, "Correct the file, or the names you gave.")

@@ -1,7 +1,7 @@
 """Tables: rows are samples or frequencies, columns are channels. CSV and TSV, Excel, Parquet.
 
 A CSV file of ours begins with comment lines ``# name: JSON``, which hold kind, dofs, rate and the number of
-rows, so that a file that was cut between two rows is noticed too.
+rows, so that a file that was cut between two rows is noticed too; ``crc32`` is of the header and the numbers.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 from typing import Any, Unpack
+from zlib import crc32
 
 import numpy as np
 
@@ -74,7 +75,7 @@ def read_csv(
         missing_part(file, problem, "a line end after the last row and every row whole", partial, kept)
     if found < 2:
         unsuitable(file, f"with {found} rows of numbers", "at least two")
-    if "kind" in table.header:
+    if table.header:
         return as_asked(file, _own(file, table), given)
     return signal_of_table(file, table, given)
 
@@ -82,6 +83,10 @@ def read_csv(
 def _own(file: Path, table: Table) -> Signal:
     """A file of ours: the header tells everything."""
     head, columns = table.header, table.values.real.T
+    stated = head.pop("crc32", None)  # files of versions before have none
+    if stated is not None and head["rows"] == len(table.values) and stated != _checksum(head, columns.T):
+        remedy = "Copy it again; of one that you changed yourself, remove the line '# crc32'."
+        unsuitable(file, "which does not have its checksum", "a file as write_csv wrote it", remedy)
     with parts_of(file, "a whole file of write_csv"):
         dofs, n = list(head["dofs"]), len(head["dofs"])
         if head["kind"] == "recording":
@@ -95,6 +100,11 @@ def _own(file: Path, table: Table) -> Signal:
         values = Unit.named(head["unit"]).in_si(values)
         more = {"n_averages": head["n_averages"], **dict(zip(head["more"], rest, strict=True))}
         return FrequencyResponse(columns[0], values, dofs, head["kind"], head["reference"], **more)
+
+
+def _checksum(head: dict[str, Any], values: Any) -> int:
+    numbers = np.ascontiguousarray(np.where(np.isnan(values), 0.0, values), dtype="<f8")
+    return crc32(numbers.view(np.uint8).reshape(-1), crc32(json.dumps(head).encode()))  # type: ignore[arg-type]
 
 
 @writer
@@ -137,13 +147,15 @@ def write_csv(path: PathLike, signal: Signal, *, unit: str | None = None, delimi
             columns += list(getattr(signal, name))
             names += [f"{name}({dof})" for dof in dofs]
     Unit.written(unit)
+    values = np.column_stack(columns)
+    head["crc32"] = _checksum(json.loads(json.dumps(head)), values)
     # The names are for the eye; the header has the dofs in full.
     shown = ("".join("_" if c in (delimiter, "\n", "\r", '"') else c for c in name) for name in names)
     lines = [
         f"{MARK} {VERSION}",
         *(f"# {name}: {json.dumps(value)}" for name, value in head.items()),
         delimiter.join(shown),
-        *(delimiter.join(map(repr, row)) for row in np.column_stack(columns).tolist()),
+        *(delimiter.join(map(repr, row)) for row in values.tolist()),
     ]
     return write_atomically(path, ("\n".join(lines) + "\n").encode())
 
@@ -243,6 +255,15 @@ def _table(file: Path, entries: list[dict[str, Any]], head: list[list[str]]) -> 
 
 #: More columns or rows than these, and a sheet is no record of a test.
 MOST_CHANNELS, MOST_CELLS = 10_000, 100_000_000
+
+
+def table_of_parquet(path: str, request: dict[str, Any]) -> Answer:
+    """All columns as a text, in the child process."""
+    import pyarrow.parquet as pq
+
+    table = pq.read_table(path)
+    room(table.num_rows * table.num_columns, request)
+    return answer([], table=table.to_pydict())
 
 
 def columns_of_parquet(path: str, request: dict[str, Any]) -> Answer:

@@ -181,6 +181,7 @@ def _instant(match: re.Match[str]) -> np.datetime64:
 
 
 MARK, VERSION = "# antires_rs csv", 1  # first line of our files
+_MOST_HEAD = 12  # lines of their header at most
 _COMMENT, _NUMBERS = ("#", "%", "//"), "numbers in every column"
 _MANTISSA = re.compile(r"\(?[-+]?([\d.,]*)(?:[eE]([-+]?\d+))?")
 _UNIT = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]$")
@@ -216,7 +217,7 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     if "\x00" in text:
         unsuitable(file, "with bytes that are no text", "a text file")
     table, ended, lines = Table(), text.endswith("\n"), text.splitlines()
-    if text.startswith(MARK):
+    if text.startswith(MARK) or any(line.startswith("# crc32: ") for line in lines[:_MOST_HEAD]):
         _header(file, lines, table)
     body = [line.rstrip() for line in lines if line.strip() and not line.lstrip().startswith(_COMMENT)]
     trailing = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
@@ -13,6 +14,8 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import Argument, part, reject
+from ..io.child_process import Limits, channels_of_child
+from ..io.table_files import table_of_parquet
 from ..io.text_table import decoded
 from ..support.checks import FloatArray
 from ..support.messages import warn
@@ -76,7 +79,10 @@ def _read_table(path: Path) -> dict[str, Any]:
     """Columns by name."""
     suffix = path.suffix.lower()
     if suffix == ".parquet":
-        return dict(pyarrow("conditions from Parquet").parquet.read_table(path).to_pydict())
+        pyarrow("conditions from Parquet")
+        _, texts = channels_of_child(table_of_parquet, path, "a table of conditions", Limits(120.0, 8.0))
+        columns: dict[str, Any] = json.loads(texts["table"])
+        return columns
     if suffix not in (".csv", ".tsv", ".txt"):
         wanted = "a file that ends in .csv, .tsv, .txt or .parquet"
         reject("conditions", repr(str(path)), wanted, "Export the table as CSV.")

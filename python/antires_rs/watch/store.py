@@ -16,23 +16,28 @@ from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any
-from zlib import compress, crc32, decompress
+from zlib import compress, crc32, decompressobj
 
 import numpy as np
 
 from ..exceptions import reject
+from ..io.common import bounded, most_bytes
 from ..io.registry import natural
 from ..support.files import written_beside
+from ..support.messages import some, warn
 from .stored_tests import FORMAT, WANTED, Entry, Plain, Row, check_format, pyarrow, read_table, write_table
 
-VERSION = 2
+VERSION = 3  # 2 had no checksums
 DATABASES = (".sqlite", ".db")
 _SIGNATURE = b"SQLite format 3\0"
 _TABLES = """
 CREATE TABLE series (name TEXT PRIMARY KEY, value TEXT);
 CREATE TABLE tests (place INTEGER PRIMARY KEY, name TEXT UNIQUE, fingerprint TEXT, conditions TEXT, time TEXT,
-                    failed TEXT, facts TEXT, columns BLOB);
+                    failed TEXT, facts TEXT, columns BLOB, checksum INTEGER);
 """
+_COLUMNS = ("name", "fingerprint", "conditions", "time", "failed", "facts", "columns")
+_ALL = f"SELECT {', '.join(_COLUMNS)}, checksum FROM tests ORDER BY place"
+_DAMAGED = "do not have their checksum"
 _BUSY_S = 1.0  # so long the end of another process that writes is waited for
 Config = dict[str, Any]
 
@@ -45,31 +50,75 @@ def part_path(store: Path) -> Path:
 # -- A database of a series: facts about it as JSON by their names, and a row a test
 
 
+def _text(data: bytes) -> str:
+    return data.decode("utf-8", "surrogateescape")  # what is damaged fails its checksum
+
+
 @contextmanager
 def _reading(path: Path) -> Iterator[sqlite3.Connection]:
     try:
         with closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as db:
+            db.text_factory = _text
             yield db
     except sqlite3.Error as exc:
         reject("path", f"{str(path)!r}, which cannot be read ({exc})", WANTED, "Name another file.")
 
 
+def _checksum(values: Iterable[Any]) -> int:
+    return crc32(repr(tuple(values)).encode("utf-8", "surrogatepass"))
+
+
 def _read(path: Path, db: sqlite3.Connection, argument: str) -> tuple[list[Row], dict[str, Any]]:
-    """The tests of a database in their order, and the facts about the series; none where it was not begun."""
+    """The tests of a database in their order, and the facts about the series; none where it was not begun.
+
+    One to be gone on with has to be whole. Of another all is read that is, and told what is not.
+    """
     if not db.execute("SELECT * FROM sqlite_master").fetchone():
         return [], {}
-    (said,) = db.execute("PRAGMA integrity_check(1)").fetchone()
-    if said != "ok":
-        raise sqlite3.DatabaseError(said)
-    facts = {name: json.loads(value) for name, value in db.execute("SELECT name, value FROM series")}
+    damage = [] if (said := db.execute("PRAGMA integrity_check(1)").fetchone()[0]) == "ok" else [said]
+    try:
+        facts = {name: json.loads(value) for name, value in db.execute("SELECT name, value FROM series")}
+    except ValueError:
+        raise sqlite3.DatabaseError(f"the facts about it {_DAMAGED}") from None
     check_format(argument, path, facts, VERSION)
-    columns = "name, conditions, time, fingerprint, failed, facts, columns"
-    found, rows = db.execute(f"SELECT {columns} FROM tests ORDER BY place"), []
-    for name, conditions, time, fingerprint, failed, known, columns in found:
+    if facts["version"] == VERSION and facts.pop("checksum", None) != _checksum(sorted(facts.items())):
+        damage.append(f"the facts about it {_DAMAGED}")
+    if damage and argument == "store":
+        raise sqlite3.DatabaseError(damage[0])
+    first, lost = _rows(path, db, facts["version"], damage)
+    if lost:
+        damage.append(f"{len(lost)} tests {_DAMAGED}: {some(map(repr, lost))}")
+    if damage:
+        text = f"{argument}: {str(path)!r} is damaged ({'; '.join(damage)}); the other {len(first)} tests were read."
+        warn("incomplete_file", text)
+    return first, facts
+
+
+def _rows(path: Path, db: sqlite3.Connection, version: int, damage: list[str]) -> tuple[list[Row], list[str]]:
+    """Tests in their order, and names of those that are not as they were written; from both ends up to a page
+    that cannot be read."""
+    query = _ALL if version >= VERSION else _ALL.replace(" checksum ", " NULL ")
+    ways: list[list[tuple[Any, ...]]] = []
+    for order in ("", " DESC"):
+        ways.append([])
+        try:
+            ways[-1].extend(iter(db.execute(query + order)))
+            break
+        except sqlite3.DatabaseError as exc:
+            if not damage:
+                raise
+            damage.append(str(exc))
+    rows: dict[str, Row] = {}
+    lost = []
+    for *values, checksum in dict.fromkeys([*ways[0], *reversed(ways[-1])]):
+        name, fingerprint, conditions, time, failed, known, columns = values
+        if version >= VERSION and checksum != _checksum(values):
+            lost.append(name)
+            continue
         entry = Entry.kept(name, json.loads(conditions), time, fingerprint)
         plain = partial(_plain, path, name, crc32(columns or b""))
-        rows.append(Row.of(entry, failed, json.loads(known or "null"), plain))
-    return rows, facts
+        rows[name] = Row.of(entry, failed, json.loads(known or "null"), plain)
+    return list(rows.values()), lost
 
 
 def _plain(path: Path, name: str, checksum: int) -> Plain:
@@ -83,7 +132,11 @@ def _plain(path: Path, name: str, checksum: int) -> Plain:
         got = f"{str(path)!r}, which has ended or was begun anew"
         wanted = "the database that the sets of this series are in"
         reject("store", got, wanted, f"Load the series as it is now: Series.load({store!r}).")
-    plain: Plain = {"facts": json.loads(found[0])} | json.loads(decompress(found[1]))
+    unpacked = decompressobj()
+    columns = unpacked.decompress(found[1], most_bytes(path))
+    if not unpacked.eof:
+        bounded(path, most_bytes(path) + 1, f"whose test {name!r} unpacks to more")
+    plain: Plain = {"facts": json.loads(found[0])} | json.loads(columns)
     return plain
 
 
@@ -95,11 +148,14 @@ def _insert(db: sqlite3.Connection, path: Path, row: Row) -> Row:
         facts = json.dumps(plain["facts"], separators=(",", ":"))
         columns = compress(json.dumps({name: plain[name] for name in ("columns", "scores")}).encode(), 1)
     values = (row.name, row.fingerprint, *_texts(row), row.failed, facts, columns)
-    db.execute("INSERT OR REPLACE INTO tests VALUES (NULL, ?, ?, ?, ?, ?, ?, ?)", values)
+    db.execute("INSERT OR REPLACE INTO tests VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, ?)", (*values, _checksum(values)))
     return replace(row, plain=partial(_plain, path, row.name, crc32(columns)))
 
 
 def _set_facts(db: sqlite3.Connection, **facts: Any) -> None:
+    known = {name: json.loads(value) for name, value in db.execute("SELECT name, value FROM series")} | facts
+    known.pop("checksum", None)
+    facts["checksum"] = _checksum(sorted(json.loads(json.dumps(known)).items()))
     items = [(name, json.dumps(value)) for name, value in facts.items()]
     db.executemany("INSERT OR REPLACE INTO series VALUES (?, ?)", items)
 
@@ -205,6 +261,7 @@ class Store:
         """The database, begun if it is not there, and its tests."""
         file = self._file
         db = sqlite3.connect(file, timeout=_BUSY_S, isolation_level=None)
+        db.text_factory = _text
         try:
             db.execute("PRAGMA journal_mode = WAL")
             db.execute("PRAGMA synchronous = NORMAL")
@@ -288,6 +345,8 @@ class Store:
             self._db.execute("UPDATE tests SET place = -place - 1")
             texts = ((place, *_texts(row), row.name) for place, row in enumerate(rows))
             self._db.executemany("UPDATE tests SET place = ?, conditions = ?, time = ? WHERE name = ?", texts)
+            sums = [(_checksum(values), values[0]) for *values, _ in self._db.execute(_ALL)]
+            self._db.executemany("UPDATE tests SET checksum = ? WHERE name = ?", sums)
             _set_facts(self._db, finished=True)
         self._db.execute("COMMIT")
         self._db.execute("PRAGMA journal_mode = DELETE")  # one file, which a read-only place may hold

@@ -11,7 +11,8 @@ from __future__ import annotations
 import csv
 import json
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields
 from functools import lru_cache, partial
 from pathlib import Path
@@ -21,8 +22,8 @@ from zlib import compress, decompress
 import numpy as np
 
 from .._core import __version__
-from ..exceptions import reject
-from ..io.common import require
+from ..exceptions import AntiresError, reject
+from ..io.common import brief, require
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.edits import BY_HAND
 from ..measured.response_table import NUMBERS, Dofs, ResponseTable
@@ -224,8 +225,8 @@ def check_format(argument: str, path: Path, facts: Mapping[str, Any], newest: in
     """Refuse a file that is no series, or of a version to come."""
     if facts.get("format") != FORMAT:
         reject(argument, f"{str(path)!r} of another kind", WANTED, "Name another.")
-    if facts["version"] > newest:
-        reject(argument, f"{str(path)!r} of version {facts['version']}", f"{newest}", "Update antires_rs.")
+    if facts.get("version", newest + 1) > newest:
+        reject(argument, f"{str(path)!r} of version {facts.get('version')}", f"{newest}", "Update antires_rs.")
 
 
 def write_table(path: Path, rows: Sequence[Row], config: dict[str, Any] | None) -> None:
@@ -257,7 +258,8 @@ def write_table(path: Path, rows: Sequence[Row], config: dict[str, Any] | None) 
             )
             schema = schema.with_metadata({"antires_rs": json.dumps(facts)})
             write = arrow.parquet.ParquetWriter
-            with open(beside, "wb") as binary, write(binary, schema, compression="zstd") as writer:
+            options = {"compression": "zstd", "write_page_checksum": True}
+            with open(beside, "wb") as binary, write(binary, schema, **options) as writer:
                 for columns in groups:
                     arrays = [arrow.array(columns[field.name], field.type) for field in schema]
                     table = arrow.Table.from_arrays(arrays, schema=schema)
@@ -301,21 +303,35 @@ def _columns(first: int, rows: Sequence[Row], fields: Iterable[str], conditions:
 # -- A series out of Parquet: what is known of all tests at once, their sets when they are asked for
 
 
+@contextmanager
+def _reading(path: Path, argument: str) -> Iterator[None]:
+    """Whatever pyarrow says of a damaged table is told as such."""
+    try:
+        yield
+    except (AntiresError, FileNotFoundError):
+        raise
+    except (OSError, LookupError, TypeError, ValueError, pyarrow().ArrowException) as exc:
+        got = f"{str(path)!r}, which cannot be read ({brief(exc)})"
+        reject(argument, got, WANTED, "Name another file.")
+
+
 def read_table(path: Path, argument: str = "path") -> tuple[list[Row], dict[str, Any] | None]:
     """The tests of a file, and what :func:`~antires_rs.identify_series` was called with."""
+    with _reading(path, argument):
+        return _rows_of_table(path, argument)
+
+
+def _rows_of_table(path: Path, argument: str) -> tuple[list[Row], dict[str, Any] | None]:
     arrow = pyarrow()
-    try:
-        with open(path, "rb") as file:
-            schema = arrow.parquet.read_schema(file)
-        facts = json.loads((schema.metadata or {}).get(b"antires_rs", b"{}"))
-    except (arrow.ArrowInvalid, ValueError) as exc:
-        reject(argument, f"{str(path)!r}, which cannot be read ({exc})", WANTED, "Name another file.")
+    with open(path, "rb") as file:
+        schema = arrow.parquet.read_schema(file)
+    facts = json.loads((schema.metadata or {}).get(b"antires_rs", b"{}"))
     check_format(argument, path, facts, VERSION)
     sets = _Sets(path, facts["tests_in_row_group"])
     names = ["row", "name", *facts["conditions"], "failed", "fingerprint", "facts"]
     timed = ["time"] if "time" in schema.names else []
     rows: list[Row] = []
-    with arrow.parquet.ParquetFile(path) as opened:
+    with arrow.parquet.ParquetFile(path, page_checksum_verification=True) as opened:
         for group in range(opened.num_row_groups):
             table = opened.read_row_group(group, columns=names + timed)
             own = table.filter([row == "test" for row in table.column("row").to_pylist()])
@@ -354,6 +370,7 @@ class _Sets:
         if (state.st_ino, state.st_mtime_ns) != (self._state.st_ino, self._state.st_mtime_ns):
             got = f"{str(self._path)!r}, which was written anew"
             reject("path", got, "the file that this series was loaded from", "Load it again.")
-        with pyarrow().parquet.ParquetFile(self._path) as file:
-            held: Columns = file.read_row_group(group).to_pydict()
+        file = pyarrow().parquet.ParquetFile
+        with _reading(self._path, "path"), file(self._path, page_checksum_verification=True) as opened:
+            held: Columns = opened.read_row_group(group).to_pydict()
         return held, [i for i, row in enumerate(held["row"]) if row == "test"]

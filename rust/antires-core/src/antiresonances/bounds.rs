@@ -341,7 +341,7 @@ impl Enclosure {
     /// ends. Few terms do between poles; more are needed where f is small against its partial fractions.
     pub fn of<const ORDER: usize>(h: &Receptance, rest: &Remainder, cell: Cell) -> Self {
         let (middle, radius) = (0.5 * (cell.a + cell.b), 0.5 * (cell.b - cell.a));
-        let (series, tails) = wide::run(Series::<ORDER> { rest, middle, radius });
+        let (series, tails) = wide::run(Series::<ORDER> { rest, cell, middle, radius });
         let a = series.map(total);
         let [t0, t1, t2, reciprocals] = tails.map(total);
         let tail = [t0, t1, t2];
@@ -400,6 +400,7 @@ impl Enclosure {
 /// reciprocals, lane by lane.
 struct Series<'a, const ORDER: usize> {
     rest: &'a Remainder,
+    cell: Cell,
     middle: f64,
     radius: f64,
 }
@@ -409,7 +410,7 @@ impl<const ORDER: usize> NullaryFnOnce for Series<'_, ORDER> {
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        let Self { rest, middle, radius } = self;
+        let Self { rest, cell, middle, radius } = self;
         let mut series = [[0.0; LANES]; ORDER];
         let mut tails = [[0.0; LANES]; 4];
         let p = ORDER as f64;
@@ -424,7 +425,9 @@ impl<const ORDER: usize> NullaryFnOnce for Series<'_, ORDER> {
                 }
                 let s = s.abs();
                 let rho = radius * s;
-                let beyond = (1.0 - rho).max(f64::EPSILON).recip();
+                // 1 / (1 − ρ): in a cell as wide as that beyond the last pole ρ is one but for rounding.
+                let away = (cell.a - poles[l]).max(poles[l] - cell.b);
+                let beyond = (s * away).max(f64::MIN_POSITIVE).recip();
                 let mut last = size * beyond;
                 for _ in 2..ORDER {
                     last *= rho;

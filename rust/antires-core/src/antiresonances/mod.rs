@@ -31,6 +31,7 @@
 //! | `search` | the modal route for one response, divided where rounding disturbs |
 //! | [`secular`] | the zeros between the poles, isolated by proof, each to the last digits |
 //! | [`bounds`] | bounds of f, f' and f'' over a cell, cheap ones and narrow ones, and beyond the last pole |
+//! | `far` | roots far above the last pole of a structure with massless dofs |
 //! | `placement` | a root on the matrices themselves |
 //! | [`sensitivities`] | how a zero moves with the model |
 //!
@@ -40,6 +41,7 @@
 //! A. Fregolent, The use of antiresonances for robust model updating, J. Sound Vib. 236 (2000) 227-243.
 
 mod bounds;
+mod far;
 mod of_model;
 mod placement;
 mod search;

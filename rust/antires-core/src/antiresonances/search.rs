@@ -11,6 +11,7 @@
 //!
 //! What is known of the roots of one response while they are searched for.
 
+use super::far;
 use super::placement::{Placed, place};
 use super::secular::{self, Certainty, Scratch};
 use crate::error::Result;
@@ -104,7 +105,10 @@ impl<'a, 'm> Search<'a, 'm> {
         self.memory.receptance.bound_roots(degree);
         self.memory.found.begin(solver.zero());
         match self.isolate((0.0, ceiling), Series::Dense) {
-            Certainty::Proven => Ok(Certainty::Proven),
+            Certainty::Proven => {
+                let Memory { receptance, found, .. } = &mut *self.memory;
+                Ok(far::add_roots(self.solved, self.ends, receptance, ceiling, found))
+            }
             Certainty::Doubtful => Ok(self.divided(ceiling)),
         }
     }

@@ -37,10 +37,10 @@ use crate::linalg::wide::{self, NullaryFnOnce};
 use crate::modal::receptance::{Pattern, Receptance};
 
 /// Upper end of an unbounded search, relative to the last pole.
-const INFINITY_RATIO: f64 = 1e16;
+pub(super) const INFINITY_RATIO: f64 = 1e16;
 
 /// Beyond this multiple of the last pole, what drowns in rounding is infinite.
-const FAR_RATIO: f64 = 16.0;
+pub(super) const FAR_RATIO: f64 = 16.0;
 
 /// Terms of the series between poles, and beyond the last one where f falls off.
 const NEAR_ORDER: usize = 5;
@@ -109,7 +109,7 @@ pub fn roots(h: &Receptance, low: f64, high: f64, roots: &mut Vec<f64>, scratch:
     let start = roots.len();
     let Scratch { screening, rest, moments } = scratch;
     rest.set(h);
-    let ceiling = high.min(INFINITY_RATIO * last.abs().max(f64::MIN_POSITIVE / f64::EPSILON));
+    let ceiling = high.min(farthest(h, last));
     screening.prepare(h, low, ceiling);
     let mut search = Secular { h, rest, roots, budget: MOST_CELLS, certainty: Certainty::Proven };
     let pattern = h.pattern();
@@ -138,6 +138,16 @@ pub fn roots(h: &Receptance, low: f64, high: f64, roots: &mut Vec<f64>, scratch:
     let certainty = search.certainty;
     roots[start..].sort_by(f64::total_cmp);
     certainty
+}
+
+/// Where a search without a limit ends: with a constant d, |x − λ| <= Σ |c_r| / |d| for a root beyond the last pole λ.
+fn farthest(h: &Receptance, last: f64) -> f64 {
+    let by_pole = INFINITY_RATIO * last.abs().max(f64::MIN_POSITIVE / f64::EPSILON);
+    if h.constant == 0.0 {
+        return by_pole;
+    }
+    let residues: f64 = h.residues.iter().map(|c| c.abs()).sum();
+    by_pole.max(last + 2.0 * residues / h.constant.abs())
 }
 
 impl Secular<'_> {

@@ -92,7 +92,10 @@ impl Prepared<'_> {
         } else if query.route == Route::Pencil || certainty == Certainty::Doubtful {
             match join(&mut self.solved, ends, ceiling, found) {
                 Err(error) if query.route == Route::Pencil => return Err(error),
-                Err(_) => found.settle_open(),
+                Err(_) => {
+                    found.settle_open();
+                    self.doubtful = true;
+                }
                 Ok(()) => {}
             }
         }
@@ -108,7 +111,7 @@ impl Prepared<'_> {
     }
 
     /// Whether rounding leaves a doubt about the number of roots last found: of structures too large for the
-    /// pencil.
+    /// pencil, or where QZ fails.
     pub fn is_doubtful(&self) -> bool {
         self.doubtful
     }

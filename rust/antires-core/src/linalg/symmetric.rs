@@ -13,6 +13,8 @@
 //! (K − xM)⁻¹ = Σ_finite φ φᵀ / (λ − x) + Σ_infinite ψ ψᵀ
 //! ```
 //!
+//! Dofs whose row of M is zero are condensed first, which is exact, whatever their springs beside those of the masses.
+//!
 //! Conventions: λ ascending, φᵀ M φ = 1, columns are modes. |λ| below [`SymmetricSolver::zero`], what
 //! rounding makes of a rigid-body mode, is returned as exactly 0.
 //!
@@ -75,6 +77,8 @@ pub struct SymmetricSolver {
     zero: f64,
     /// How the matrices were scaled; none where they were not.
     balance: Option<Balance>,
+    /// That of the dofs with mass, where those without were condensed.
+    condensed: Option<Box<SymmetricSolver>>,
 }
 
 /// Ulp of every entry of K, in φᵀ K φ, up to which λ is zero.
@@ -99,6 +103,7 @@ impl SymmetricSolver {
             shift: None,
             zero: 0.0,
             balance: None,
+            condensed: None,
         }
     }
 
@@ -110,7 +115,10 @@ impl SymmetricSolver {
     /// Absolute uncertainty of an eigenvalue near `lambda`: n ulp of what was decomposed.
     pub fn uncertainty(&self, lambda: f64) -> f64 {
         let ulps = self.n as f64 * f64::EPSILON;
-        let units = self.balance.as_ref().map_or(1.0, |b| b.eigenvalue(1.0));
+        let units = self.units();
+        if let Some(of_masses) = &self.condensed {
+            return units * of_masses.uncertainty(lambda / units);
+        }
         match self.shift {
             None => {
                 let (first, last) = (self.standard.values()[0], self.standard.values()[self.n - 1]);
@@ -118,6 +126,19 @@ impl SymmetricSolver {
             }
             Some((sigma, largest_mu)) => ulps * units * largest_mu * (lambda / units + sigma).powi(2),
         }
+    }
+
+    fn units(&self) -> f64 {
+        self.balance.as_ref().map_or(1.0, |b| b.eigenvalue(1.0))
+    }
+
+    /// The size Σ ψ_i ψ_k is rounded at: √(g_i g_k), g the diagonal of Σ ψψᵀ, or of (K + σM)⁻¹ where σ mixes them
+    /// with the modes.
+    pub fn static_size(&self, i: usize, k: usize) -> f64 {
+        let shift = self.shift.map_or(f64::INFINITY, |(sigma, _)| self.units() * sigma);
+        let stretch = |r: usize| self.eigenvalues.get(r).map_or(1.0, |l| (l + shift).recip());
+        let size = |dof: usize| (0..self.n).map(|r| self.vectors[(dof, r)].powi(2) * stretch(r)).sum::<f64>();
+        (size(i) * size(k)).sqrt()
     }
 
     /// Finite eigenvalues λ of the last [`solve`](Self::solve), ascending.
@@ -160,6 +181,10 @@ impl SymmetricSolver {
 
     fn solve_as_given(&mut self, stiffness: MatRef<'_, f64>, mass: MatRef<'_, f64>) -> Result<()> {
         self.shift = None;
+        self.condensed = None;
+        if self.solve_condensed(stiffness, mass)? {
+            return Ok(());
+        }
         if self.scale_by_diagonal_mass(stiffness, mass) {
             return self.finish_diagonal();
         }
@@ -169,6 +194,51 @@ impl SymmetricSolver {
             return self.finish_regular();
         }
         shifted
+    }
+
+    /// Condenses the dofs without mass, exactly: K_cc − K_cm K_mm⁻¹ K_mc, φ_m = −K_mm⁻¹ K_mc φ_c, Σ ψψᵀ = K_mm⁻¹.
+    /// False where there are none, or where K_mm is not positive definite.
+    fn solve_condensed(&mut self, k: MatRef<'_, f64>, m: MatRef<'_, f64>) -> Result<bool> {
+        let (gone, kept): (Vec<usize>, Vec<usize>) =
+            (0..self.n).partition(|&j| m[(j, j)] == 0.0 && (0..self.n).all(|i| m[(i, j)] == 0.0));
+        if gone.is_empty() || kept.is_empty() {
+            return Ok(false);
+        }
+        let part = |a: MatRef<'_, f64>, rows: &[usize], cols: &[usize]| {
+            Mat::from_fn(rows.len(), cols.len(), |i, j| a[(rows[i], cols[j])])
+        };
+        let mut factor = part(k, &gone, &gone);
+        let memory = MemStack::new(&mut self.memory);
+        if cholesky_in_place(factor.as_mut(), Default::default(), Par::Seq, memory, Default::default())
+            .is_err()
+        {
+            return Ok(false);
+        }
+        let mut carried = part(k, &gone, &kept);
+        solve_lower_triangular_in_place(factor.as_ref(), carried.as_mut(), Par::Seq);
+        let mut stiffness = part(k, &kept, &kept);
+        matmul(stiffness.as_mut(), Accum::Add, carried.transpose(), carried.as_ref(), -1.0, Par::Seq);
+        let mut of_masses = Box::new(Self::new(kept.len()));
+        of_masses.solve_as_given(stiffness.as_ref(), part(m, &kept, &kept).as_ref())?;
+        solve_upper_triangular_in_place(factor.transpose(), carried.as_mut(), Par::Seq);
+        let follow = &carried * of_masses.vectors();
+        let mut alone = Mat::identity(gone.len(), gone.len());
+        solve_upper_triangular_in_place(factor.transpose(), alone.as_mut(), Par::Seq);
+        self.vectors.fill(0.0);
+        for j in 0..kept.len() {
+            kept.iter().enumerate().for_each(|(r, &dof)| self.vectors[(dof, j)] = of_masses.vectors[(r, j)]);
+            gone.iter().enumerate().for_each(|(r, &dof)| self.vectors[(dof, j)] = -follow[(r, j)]);
+        }
+        for j in 0..gone.len() {
+            let column = kept.len() + j;
+            gone.iter().enumerate().for_each(|(r, &dof)| self.vectors[(dof, column)] = alone[(r, j)]);
+        }
+        self.eigenvalues.clone_from(&of_masses.eigenvalues);
+        self.shift = of_masses.shift;
+        self.zero = of_masses.zero.max(self.rigid_ulps(k));
+        self.condensed = Some(of_masses);
+        self.clear_zeros();
+        Ok(true)
     }
 
     /// For a well-conditioned diagonal M, no dof so much stiffer for its mass than others that it would take their
@@ -268,12 +338,15 @@ impl SymmetricSolver {
             }
         }
         // The digits of λ near zero are those of σ, and of K itself, not of the largest λ.
-        let lowest = 0..self.eigenvalues.len().min(RIGID_MODES);
-        self.zero = lowest
-            .map(|j| RIGID_ULPS * f64::EPSILON * self.absolute_form(k, j))
-            .fold(zero_eigenvalue(self.n, sigma), f64::max);
+        self.zero = zero_eigenvalue(self.n, sigma).max(self.rigid_ulps(k));
         self.clear_zeros();
         Ok(())
+    }
+
+    /// How far ulps of K may move the lowest λ.
+    fn rigid_ulps(&self, k: MatRef<'_, f64>) -> f64 {
+        let lowest = 0..self.eigenvalues.len().min(RIGID_MODES);
+        lowest.map(|j| RIGID_ULPS * f64::EPSILON * self.absolute_form(k, j)).fold(0.0, f64::max)
     }
 
     /// Σ |φ_i| |K_ij| |φ_j| of mode `j`: how far one ulp in each entry can move φᵀ K φ, over ulp.

@@ -43,7 +43,7 @@ pub struct Receptance {
     pub cancelled: Vec<f64>,
     /// Absolute error to be expected of one residue.
     pub residue_error: f64,
-    /// Absolute error of the part of H that stands for the poles far above.
+    /// Absolute error of the part of H that stands for the poles far above, and of the constant.
     pub floor_error: f64,
     /// Residue below which a pole is cancelled.
     pub negligible: f64,
@@ -78,10 +78,13 @@ impl Receptance {
             self.add(lambda[r], a * b, REPEATED * solver.uncertainty(lambda[r].abs()));
         }
         self.constant = (lambda.len()..n).map(|r| phi[(i, r)] * phi[(k, r)]).sum();
-        self.finish(n, self.poles.len(), (size_i, size_k));
-        if self.constant.abs() <= self.residue_error {
-            self.constant = 0.0;
+        if lambda.len() < n {
+            self.floor_error = ulps(n) * f64::EPSILON * solver.static_size(i, k);
+            if self.constant.abs() <= self.floor_error {
+                (self.constant, self.floor_error) = (0.0, 0.0);
+            }
         }
+        self.finish(n, self.poles.len(), (size_i, size_k));
     }
 
     /// Empties the partial fractions.

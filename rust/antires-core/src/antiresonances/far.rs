@@ -1,0 +1,85 @@
+//! Roots of H_ik far above the last pole of a structure with dofs that have no mass.
+//!
+//! Such a dof on a soft spring beside stiff ones has H_ik of another sign far above all poles than beside them, where
+//! the partial fractions, each of which falls off as 1/x, drown in rounding while H_ik itself falls off much faster.
+//! The factors of K − xM keep its sign: it is asked at points a fixed ratio apart, and a change of it is a root.
+
+use super::placement::place;
+use super::search::Found;
+use super::secular::{Certainty, FAR_RATIO, INFINITY_RATIO};
+use crate::modal::receptance::Receptance;
+use crate::modal::solved::Solved;
+
+/// Ratio of neighbouring points in x.
+const STEP: f64 = 16.0;
+
+/// Multiple of what an ulp of K and M makes of H from which on its sign is certain.
+const SURE: f64 = 16.0;
+
+/// Halvings of an interval, in log x, after which Newton's method takes over.
+const HALVINGS: usize = 20;
+
+/// Farthest that it may go, relatively.
+const NEAR: f64 = 1e-4;
+
+/// Adds those of `h` up to `ceiling` to `found`; doubtful where the structure is too small for factors.
+pub(super) fn add_roots(
+    solved: &mut Solved<'_>,
+    ends: (usize, usize),
+    h: &Receptance,
+    ceiling: f64,
+    found: &mut Found,
+) -> Certainty {
+    let massless = solved.dense_in_hand().is_some_and(|all| all.eigenvalues().len() < solved.n_dof());
+    let last = h.poles.last().copied().unwrap_or_default();
+    if !massless || h.constant != 0.0 || h.is_zero || last <= 0.0 {
+        return Certainty::Proven;
+    }
+    if !solved.is_reducible() {
+        return Certainty::Doubtful;
+    }
+    let highest = ceiling.min(INFINITY_RATIO * last);
+    let mut before = None;
+    let mut x = FAR_RATIO * last;
+    while x <= highest {
+        if let Some(positive) = sign(solved, ends, x) {
+            if let Some((low, was)) = before
+                && was != positive
+                && let Some(near) = halved(solved, ends, (low, x), was)
+                && let Some(root) = place(solved, ends, near, NEAR * near)
+                && !found.has(root)
+                && root.x <= ceiling
+            {
+                found.prove(root.x);
+            }
+            before = Some((x, positive));
+        }
+        x *= STEP;
+    }
+    Certainty::Proven
+}
+
+/// Whether H is positive at `x`; none where rounding hides it.
+fn sign(solved: &mut Solved<'_>, ends: (usize, usize), x: f64) -> Option<bool> {
+    let here = solved.reduced().receptance_at(ends, x)?;
+    (here.value.abs() > SURE * here.ulp * here.slope.abs()).then_some(here.value > 0.0)
+}
+
+/// A place near the root between two points, of which H is positive at the lower one or not.
+fn halved(
+    solved: &mut Solved<'_>,
+    ends: (usize, usize),
+    (low, high): (f64, f64),
+    positive: bool,
+) -> Option<f64> {
+    let (mut low, mut high) = (low, high);
+    for _ in 0..HALVINGS {
+        let middle = (low * high).sqrt();
+        match sign(solved, ends, middle) {
+            Some(here) if here == positive => low = middle,
+            Some(_) => high = middle,
+            None => return Some(middle),
+        }
+    }
+    Some((low * high).sqrt())
+}
