@@ -17,6 +17,7 @@ from .inference import (
     FURTHEST,
     SHARES,
     USUALLY_LOST,
+    Climb,
     Elements,
     Fit,
     Search,
@@ -25,7 +26,7 @@ from .inference import (
     stepped,
     too_much,
 )
-from .likelihood import Likelihood, Prepared, Question
+from .likelihood import Likelihood, Prepared, Question, View
 from .measured_states import Responses, Values, roots_at
 from .shapes import Found, Shape, Shaped, Structure, joined, parameters_of
 
@@ -73,7 +74,7 @@ def with_shapes(prepared: Prepared, question: Question, shapes: Sequence[Shape])
 _BY_GAIN, _BY_EVIDENCE, _MOST_SCANNED = 16, 3, 40
 _GAIN = 4.0  # gain of the log-likelihood, to first order, from which a shape may explain what no element does
 #: Errors added on the way to the most probable amounts; sets given up when so far behind, but for so many.
-_TEMPERED, _HOPELESS, _KEPT = (0.03, 0.01, 0.003, 0.0, 0.0, 0.0), 12.0, 6
+_TEMPERED, _HOPELESS, _KEPT, _FURTHER = (0.03, 0.01, 0.003, 0.0, 0.0, 0.0), 30.0, 6, 6
 #: Of pairs: sets that get another column, columns that join each, and pairs that are refined.
 _PARENTS, _JOINING, _PAIRS = 6, 12, 12
 _NEAREST = 2  # pairs whose members are joined by others once more
@@ -202,23 +203,36 @@ def _refined(
     else:
         betas = starts
     fits: dict[Elements, Fit] = {}
-    sets = list(sets)
+    climbs = [Climb(s) for s in sets]
     for nth, extra in enumerate((*errors, 0.0)):
-        views, last = likelihood.views(betas, extra), nth == len(errors)
+        views = likelihood.views(betas, extra)
         logs = np.array([view.log_likelihood for view in views])
-        order = np.argsort(-logs, kind="stable")
-        kept = sorted(
-            n
-            for rank, n in enumerate(order)
-            if last or nth < 2 or rank < _KEPT or logs[n] > logs[order[0]] - _HOPELESS
-        )
-        sets, views = [sets[n] for n in kept], [views[n] for n in kept]
-        for s, view in zip(sets, views, strict=True):
-            for fit in [] if extra else fitted(view, [s]):
-                if s not in fits or fit.log_evidence > fits[s].log_evidence:
-                    fits[s] = fit
-        betas = np.array([stepped(s, view) for s, view in zip(sets, views, strict=True)])
+        behind = np.argsort(-logs, kind="stable")[_KEPT:]
+        lost = {n for n in behind if 1 < nth < len(errors) and logs[n] <= logs.max() - _HOPELESS}
+        kept = [n for n, climb in enumerate(climbs) if len(climb.elements) == 1 or n not in lost]
+        climbs, views = [climbs[n] for n in kept], [views[n] for n in kept]
+        if not extra:
+            _see(climbs, views, fits)
+        ahead = [stepped(c.elements, v) if extra else c.ahead() for c, v in zip(climbs, views, strict=True)]
+        betas = np.array(ahead)
+    top = max(climb.height for climb in climbs)
+    for nth in range(1 + _FURTHER):
+        climbs = [c for c in climbs if c.elements not in fits and c.height > top - _HOPELESS]
+        if not climbs or nth == _FURTHER:
+            break
+        _see(climbs, likelihood.views(np.array([climb.ahead() for climb in climbs])), fits)
+    fits |= {c.elements: refitted(c.view, c.elements, at_peak=True) for c in climbs if c.share < 1.0}
     return fits
+
+
+def _see(climbs: Sequence[Climb], views: Sequence[View], fits: dict[Elements, Fit]) -> None:
+    """Take views, and judge sets that rest there."""
+    for climb, view in zip(climbs, views, strict=True):
+        climb.sees(view)
+        for fit in fitted(view, [climb.elements]):
+            known = fits.get(fit.elements)
+            if known is None or fit.log_evidence > known.log_evidence:
+                fits[fit.elements] = fit
 
 
 class Crack(NamedTuple):
