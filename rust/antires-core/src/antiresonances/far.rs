@@ -7,6 +7,7 @@
 use super::placement::place;
 use super::search::Found;
 use super::secular::{Certainty, FAR_RATIO, INFINITY_RATIO};
+use crate::modal::minor::Ends;
 use crate::modal::receptance::Receptance;
 use crate::modal::solved::Solved;
 
@@ -25,7 +26,7 @@ const NEAR: f64 = 1e-4;
 /// Adds those of `h` up to `ceiling` to `found`; doubtful where the structure is too small for factors.
 pub(super) fn add_roots(
     solved: &mut Solved<'_>,
-    ends: (usize, usize),
+    ends: &Ends,
     h: &Receptance,
     ceiling: f64,
     found: &mut Found,
@@ -60,7 +61,7 @@ pub(super) fn add_roots(
 }
 
 /// Whether H is positive at `x`; none where rounding hides it.
-fn sign(solved: &mut Solved<'_>, ends: (usize, usize), x: f64) -> Option<bool> {
+fn sign(solved: &mut Solved<'_>, ends: &Ends, x: f64) -> Option<bool> {
     let here = solved.reduced().receptance_at(ends, x)?;
     (here.value.abs() > SURE * here.ulp * here.slope.abs()).then_some(here.value > 0.0)
 }
@@ -68,7 +69,7 @@ fn sign(solved: &mut Solved<'_>, ends: (usize, usize), x: f64) -> Option<bool> {
 /// A place near the root between two points, of which H is positive at the lower one or not.
 fn halved(
     solved: &mut Solved<'_>,
-    ends: (usize, usize),
+    ends: &Ends,
     (low, high): (f64, f64),
     positive: bool,
 ) -> Option<f64> {

@@ -107,7 +107,7 @@ impl<'a, 'm> Search<'a, 'm> {
         match self.isolate((0.0, ceiling), Series::Dense) {
             Certainty::Proven => {
                 let Memory { receptance, found, .. } = &mut *self.memory;
-                Ok(far::add_roots(self.solved, self.ends, receptance, ceiling, found))
+                Ok(far::add_roots(self.solved, &self.ends, receptance, ceiling, found))
             }
             Certainty::Doubtful => Ok(self.divided(ceiling)),
         }
