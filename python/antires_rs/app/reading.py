@@ -159,7 +159,7 @@ class Measurement:
         self.force = self._of_model(at, self._find(at, force))
 
     def _aligned(self, sensors: list[Any]) -> Signal:
-        """Sensors with a file each as one record; channels of one name are called by what differs in the files."""
+        """Sensors with a file each as one record, channels named by what the files differ in."""
         names = [dof for rec in sensors for dof in rec.dofs]
         if len(set(names)) < len(names):
             stems = differences([path.stem for path in (self.file, *self.repeats)])

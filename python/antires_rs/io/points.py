@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ..exceptions import UnsuitableDataError, part, reject
 from ..signals.recording import Recording
@@ -144,6 +143,8 @@ def match_points(
     >>> ar.match_points({"tip": (0.501, 0.0, 0.0, "-Z")}, [(0.0, 0.0, 0.0), (0.5, 0.0, 0.0)]).dofs
     {'tip': '1:Z'}
     """
+    from scipy.spatial import cKDTree
+
     given = _points(points)
     numbers, places = _nodes(nodes)
     names = list(given)
@@ -297,7 +298,7 @@ def _exchanged(node: dict[Any, int], numbers: IntArray) -> list[str]:
     return [f"{a!r} and {b!r} look exchanged: each lies at the other's node" for a, b in sorted(pairs)]
 
 
-def _explain(at: FloatArray, places: FloatArray, tree: cKDTree, reach: float) -> None:
+def _explain(at: FloatArray, places: FloatArray, tree: Any, reach: float) -> None:
     """Raise with the mistake under which the points lie at nodes; nothing where none does."""
 
     def share(moved: FloatArray) -> float:
