@@ -29,7 +29,7 @@ from ..signals.frequency_response import covered_hz
 from ..signals.repeats import one_source
 from ..support.messages import EDIT_WANTED, edit_named, some, warn
 from .arguments import dof_finder
-from .command import existing, say
+from .command import existing, hint, say
 from .job import Job, KeyPath, Place, Spell, spelled
 from .keys import DATA, FOLDER, IDENTIFICATION, SECTIONS, SIGNAL_ENDINGS, format_of, shown
 from .parser import nearest
@@ -459,11 +459,15 @@ class Call(Job):
             reject("--band", "nothing", "--band LOW HIGH, in Hz, where the curves are clean", remedy)
         named = table.get("dofs", {})
         force = table["excitation"]
+        names = signal.dofs
+        if type(force) is int and force < len(names) and all(isinstance(name, str) for name in names):
+            hint(f"the force is at {names[force]!r}, channel {force} of those that are used, from 0")
+            table["excitation"] = force = names[force]
         if not (self._roved or force in named or force in signal.dofs):
             # Antiresonances do not depend on that name: a slip of the pen would pass in silence.
-            hint = nearest(str(force), map(str, signal.dofs), 0.7) or "If it is one of them, write that name."
+            near = nearest(str(force), map(str, signal.dofs), 0.7) or "If it is one of them, write that name."
             said = f"--excitation: {force!r} is none of the channels {some(map(repr, signal.dofs), _NAMED)}"
-            warn("force_not_measured", f"{said}: the place of the force cannot be tested. {hint}")
+            warn("force_not_measured", f"{said}: the place of the force cannot be tested. {near}")
 
     def where(self, place: KeyPath) -> Place:
         """The option of a place."""

@@ -2,7 +2,7 @@
 
 A sensor's clock is a smooth line through its instants: jitter of single ones is that of the stamps, not of
 the samples. Samples are interpolated at the instants of the slowest sensor by a symmetric windowed sinc,
-which has no phase of its own; its passband ends at 0.8 of the lower Nyquist frequency. Samples that were missed are
+which has no phase of its own; its passband ends at 0.8 of the lower Nyquist frequency. Missed samples are
 those that leave the smallest error of an autoregression of their own channel (Janssen, Veldhuis and Vries,
 IEEE Trans. ASSP 34 (1986) 317-330, doi 10.1109/TASSP.1986.1164824).
 """
