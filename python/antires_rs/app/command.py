@@ -56,10 +56,10 @@ def shell_words(text: str) -> str:
     """A text of the library without the words of Python: arguments as the job, or the command, has them."""
     if "=" not in text and " see ." not in text:
         return text
-    from .job import Job, spelled
-    from .reading import Call
-
-    return spelled(text, Job.spelled if _of_job.get() else Call.spelled)
+    reading = import_module(f"{__package__}.reading")  # which stands on this module, as commands do
+    spell = reading.Job.spelled if _of_job.get() else reading.Call.spelled
+    words: str = reading.spelled(text, spell)
+    return words
 
 
 def say(text: str) -> None:
