@@ -128,7 +128,7 @@ class Measurement:
             named = isinstance(self._dofs, dict)
             given = self._dofs.items() if named else enumerate(self._dofs)
             found = {key: self._find((*place, "dofs", key), dof) for key, dof in given}
-            self._names |= {dof: key for key, dof in found.items() if named and type(dof) is int}
+            self._names |= {dof: str(key) for key, dof in found.items() if named and type(dof) is int}
             self._dofs = found if named else list(found.values())
         say(f"reading {self.file.name}" + (f" and {len(self.repeats)} more" if self.repeats else ""))
         if self.kind != "antiresonances":
@@ -205,22 +205,25 @@ class Measurement:
 
     @contextmanager
     def _warned_by_name(self) -> Iterator[None]:
-        with warnings.catch_warnings(record=True) as heard:
-            warnings.simplefilter("always", AntiresWarning)
-            yield
-        for each in heard:
-            one = each.message
-            if isinstance(one, AntiresWarning):
-                one = AntiresWarning(self._by_name(one.text), one.about)
-            warnings.warn_explicit(one, each.category, each.filename, each.lineno)
+        heard: list[warnings.WarningMessage] = []
+        try:
+            with warnings.catch_warnings(record=True) as heard:
+                warnings.simplefilter("always", AntiresWarning)
+                yield
+        finally:
+            for each in heard:
+                one = each.message
+                if isinstance(one, AntiresWarning):
+                    one = AntiresWarning(self._by_name(one.text), one.about)
+                warnings.warn_explicit(one, each.category, each.filename, each.lineno)
 
     def _checked_by_name(self, found: AntiresonanceSet) -> AntiresonanceSet:
         check = found.data_check
         if check is None or not self._names:
             return found
-        words = ("text", "advice", "brief")
+        name = self._by_name
         findings = [
-            replace(f, **{word: self._by_name(getattr(f, word)) for word in words}) for f in check.findings
+            replace(f, text=name(f.text), advice=name(f.advice), brief=name(f.brief)) for f in check.findings
         ]
         named = copy(found)
         named._fill(data_check=replace(check, findings=tuple(findings)))
