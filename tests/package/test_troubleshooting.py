@@ -14,7 +14,8 @@ from antires_rs.signals import channel_checks as channels, data_check as check
 from antires_rs.support.messages import entries
 
 SOURCES = Path(ar.__file__).parent
-OF_RESULTS = {"unexplained", "no_baseline", "one_of_several"}  #: Said in headlines and notes of results.
+#: Said in headlines, notes and tables of results.
+OF_RESULTS = {"unexplained", "no_baseline", "one_of_several", "z", "chi_square"}
 FINDINGS = {*check.TESTS, check.SINGLE_HIT, check.MISSED_HIT, channels.HUM, channels.QUANTIZED}
 FINDINGS |= {channels.DOUBLE, channels.DRIFTING, channels.LENGTH, channels.AVERAGES}
 

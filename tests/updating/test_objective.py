@@ -369,7 +369,7 @@ def test_chain8_has_the_papers_numbers_to_the_bit():
     assert modal.penalty.gamma2 == pytest.approx(SHARE * 14)  # each of 7 counts as two values
     one = ar.assess_damage(CASE.model, CASE.exact(1), search=ar.SearchOptions(gamma2=0.07), rng=0)
     assert one.problem.penalty == ar.DamagePenalty(0.1, 0.07)
-    assert any("gamma1 = 0.1 and gamma2 = 0.07 outweigh" in note for note in one.notes)
+    assert any("(gamma1 = 0.1 and gamma2 = 0.07) hides damage this small" in note for note in one.notes)
 
 
 @pytest.mark.parametrize("weights", [0, [], [-1.0, 2.0], [0.0, 0.0], "std"])

@@ -56,10 +56,10 @@ def shell_words(text: str) -> str:
     """A text of the library without the words of Python: arguments as the job, or the command, has them."""
     if "=" not in text and " see ." not in text:
         return text
-    from .job import Job, spelled
-    from .reading import Call
-
-    return spelled(text, Job.spelled if _of_job.get() else Call.spelled)
+    reading = import_module(f"{__package__}.reading")  # which stands on this module, as commands do
+    spell = reading.Job.spelled if _of_job.get() else reading.Call.spelled
+    words: str = reading.spelled(text, spell)
+    return words
 
 
 def say(text: str) -> None:
@@ -92,7 +92,10 @@ def new_file(option: str, file: Path | None, *endings: str) -> None:
     if file.suffix not in endings or not file.parent.is_dir():
         raise InvalidInputError(option, repr(str(file)), wanted, remedy)
     if option == "--out" and file.exists() and not _is_ours(file):
-        got, wanted = f"{str(file)!r}, which exists and is not of antires_rs", "a new file, or one that antires_rs wrote"
+        got, wanted = (
+            f"{str(file)!r}, which exists and is not of antires_rs",
+            "a new file, or one that antires_rs wrote",
+        )
         raise InvalidInputError(option, got, wanted, "Choose another name, or move that file away.")
 
 

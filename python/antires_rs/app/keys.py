@@ -11,7 +11,7 @@ from pathlib import PurePath
 from textwrap import wrap
 from typing import Any
 
-from ..damage.options import ONE_STATE, TWO_STATES, SearchOptions, options_with
+from ..damage.options import ONE_STATE, TWO_STATES, DamagePrior, SearchOptions, options_with
 from ..identification.options import declared
 from ..io.registry import ENDINGS, formats_of
 from ..support.options import Option, small
@@ -260,8 +260,7 @@ baseline (texts): The intact structure: measurements as in [data], identified wi
     changes are compared, and errors of the model do not count as damage.
 elements (terms) = "all": Candidates: "all" or a list such as [0, 1, 2].
 <two_states>
-prior (shares): With a baseline: probabilities before the test that add up to one, { nothing = 0.5, one = 0.3,
-    two = 0.1, three = 0.03, elsewhere = 0.05, unknown = 0.02 } by default.
+prior (shares): With a baseline: probabilities before the test that add up to one, <prior> by default.
 <one_state>
 
 [search]: The search. The same seed gives bit-identical results for any number of workers.
@@ -295,7 +294,11 @@ report (switch) = true: Whether to write report.html.
 pictures (switch) = true: Whether to write the pictures as PNG too.
 """
 SECTIONS = _sections(  #: In the order of a job file.
-    _TEXT.replace("<endings>", " ".join(SIGNAL_ENDINGS)).replace("<formats>", ", ".join(FORMATS)),
+    _TEXT.replace("<endings>", " ".join(SIGNAL_ENDINGS))
+    .replace("<formats>", ", ".join(FORMATS))
+    .replace(
+        "<prior>", f"{{ {', '.join(f'{name} = {share:g}' for name, share in vars(DamagePrior()).items())} }}"
+    ),
     options=_of_options(declared(), declared()),
     two_states=_of_options(SearchOptions.declared(), options_with(TWO_STATES)),
     one_state=_of_options(SearchOptions.declared(), options_with(ONE_STATE)),

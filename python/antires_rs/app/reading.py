@@ -33,7 +33,7 @@ from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.repeats import one_source
 from ..support.messages import EDIT_WANTED, edit_named, some, warn
 from .arguments import dof_finder
-from .command import existing, say
+from .command import existing, hint, say
 from .job import Job, KeyPath, Place, Spell, spelled
 from .keys import DATA, FOLDER, IDENTIFICATION, SECTIONS, SIGNAL_ENDINGS, format_of, shown
 from .parser import nearest
@@ -133,7 +133,7 @@ class Measurement:
             named = isinstance(self._dofs, dict)
             given = self._dofs.items() if named else enumerate(self._dofs)
             found = {key: self._find((*place, "dofs", key), dof) for key, dof in given}
-            self._names |= {dof: key for key, dof in found.items() if named and type(dof) is int}
+            self._names |= {dof: str(key) for key, dof in found.items() if named and type(dof) is int}
             self._dofs = found if named else list(found.values())
         say(f"reading {self.file.name}" + (f" and {len(self.repeats)} more" if self.repeats else ""))
         if self.kind != "antiresonances":
@@ -192,7 +192,7 @@ class Measurement:
             return identify_modes(self.signal, band_hz=self.table["band_hz"], **options)
 
     def _aligned(self, sensors: list[Any]) -> Signal:
-        """Sensors with a file each as one record; channels of one name are called by what differs in the files."""
+        """Sensors with a file each as one record, channels named by what the files differ in."""
         names = [dof for rec in sensors for dof in rec.dofs]
         if len(set(names)) < len(names):
             stems = differences([path.stem for path in (self.file, *self.repeats)])
@@ -242,22 +242,25 @@ class Measurement:
 
     @contextmanager
     def _warned_by_name(self) -> Iterator[None]:
-        with warnings.catch_warnings(record=True) as heard:
-            warnings.simplefilter("always", AntiresWarning)
-            yield
-        for each in heard:
-            one = each.message
-            if isinstance(one, AntiresWarning):
-                one = AntiresWarning(self._by_name(one.text), one.about)
-            warnings.warn_explicit(one, each.category, each.filename, each.lineno)
+        heard: list[warnings.WarningMessage] = []
+        try:
+            with warnings.catch_warnings(record=True) as heard:
+                warnings.simplefilter("always", AntiresWarning)
+                yield
+        finally:
+            for each in heard:
+                one = each.message
+                if isinstance(one, AntiresWarning):
+                    one = AntiresWarning(self._by_name(one.text), one.about)
+                warnings.warn_explicit(one, each.category, each.filename, each.lineno)
 
     def _checked_by_name(self, found: AntiresonanceSet) -> AntiresonanceSet:
         check = found.data_check
         if check is None or not self._names:
             return found
-        words = ("text", "advice", "brief")
+        name = self._by_name
         findings = [
-            replace(f, **{word: self._by_name(getattr(f, word)) for word in words}) for f in check.findings
+            replace(f, text=name(f.text), advice=name(f.advice), brief=name(f.brief)) for f in check.findings
         ]
         named = copy(found)
         named._fill(data_check=replace(check, findings=tuple(findings)))
@@ -550,18 +553,19 @@ class Call(Job):
             reject("--band", "nothing", "--band LOW HIGH, in Hz, where the curves are clean", remedy)
         named = table.get("dofs", {})
         channels = signal.columns[0].dofs if isinstance(signal, MinorResponse) else signal.dofs
-        asked = (
-            ()
-            if self._roved or "excitation" not in table
-            else places_of(table["excitation"], {*named, *channels})
-        )
+        force = table.get("excitation")
+        if type(force) is int and force < len(channels) and all(isinstance(name, str) for name in channels):
+            told = f"channel {force} of those that are used, from 0"
+            hint(f"the force is at {channels[force]!r}, {told}")
+            table["excitation"] = force = channels[force]
+        asked = () if self._roved or force is None else places_of(force, {*named, *channels})
         for force in asked:
             if force in named or force in channels:
                 continue
             # Antiresonances do not depend on that name: a slip of the pen would pass in silence.
-            hint = nearest(str(force), map(str, channels), 0.7) or "If it is one of them, write that name."
+            near = nearest(str(force), map(str, channels), 0.7) or "If it is one of them, write that name."
             said = f"--excitation: {force!r} is none of the channels {some(map(repr, channels), _NAMED)}"
-            warn("force_not_measured", f"{said}: the place of the force cannot be tested. {hint}")
+            warn("force_not_measured", f"{said}: the place of the force cannot be tested. {near}")
 
     def where(self, place: KeyPath) -> Place:
         """The option of a place."""

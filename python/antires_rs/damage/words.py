@@ -340,8 +340,8 @@ def reservations(found: Assessment) -> list[str]:
     spare = matched - len(found.best.severities)
     notes = {
         "Without a baseline every error of the model counts as damage. The probabilities assume stiffnesses "
-        f"and masses within about {figure(found.factor_std)}; a baseline, the values of the intact structure, "
-        "takes the model's errors out.": not found.baseline,
+        f"and masses within about {figure(found.factor_std)}; a baseline, the values of the intact "
+        "structure, takes the model's errors out.": not found.baseline,
         "No value of now has a partner in the model: there is no chi-square, and nothing tells whether the "
         "answer holds. Compare the bands and dofs of both tests.": not matched,
         f"The most probable hypothesis does not explain the values (reduced chi-square {found.chi_square:.1f}"

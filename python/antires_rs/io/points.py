@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ..exceptions import UnsuitableDataError, part, reject
 from ..signals.recording import Recording
@@ -91,7 +90,7 @@ class MatchedPoints(ReadOnly):
         rows = [
             sum(w * signal.responses[names.index(name)] for name, w in of.items()) for of in there.values()
         ]
-        return Recording(np.stack(rows), signal.fs_hz, list(there), signal.force, signal.time_s)  # type: ignore[arg-type]
+        return Recording(np.stack(rows), signal.fs_hz, list(there), signal.force, signal.time_s)
 
     def _plain(self, name: Any) -> str | None:
         dof = self.dofs.get(name)
@@ -144,6 +143,8 @@ def match_points(
     >>> ar.match_points({"tip": (0.501, 0.0, 0.0, "-Z")}, [(0.0, 0.0, 0.0), (0.5, 0.0, 0.0)]).dofs
     {'tip': '1:Z'}
     """
+    from scipy.spatial import cKDTree
+
     given = _points(points)
     numbers, places = _nodes(nodes)
     names = list(given)
@@ -168,7 +169,10 @@ def match_points(
         why = [f"{name!r}: {reason}" for name, reason in unmatched.items()]
         warn("points_without_dof", f"points: {'; '.join([*notes, some(why, 6)] if why else notes)}.")
     far = {name: float(distance[i]) for i, name in enumerate(names)}
-    return MatchedPoints(*map(FrozenDict, (node, far, weights, unmatched)), tuple(notes))  # type: ignore[arg-type]
+    made = {dof: FrozenDict(of) for dof, of in weights.items()}
+    return MatchedPoints(
+        FrozenDict(node), FrozenDict(far), FrozenDict(made), FrozenDict(unmatched), tuple(notes)
+    )
 
 
 def _points(points: Any) -> dict[Any, tuple[FloatArray, FloatArray]]:
@@ -236,7 +240,8 @@ def _nodes(nodes: Any) -> tuple[IntArray, FloatArray]:
         nodes = nodes_of(existing_file(nodes))
     nodes = getattr(nodes, "mesh", nodes)
     if isinstance(nodes, Mapping):
-        numbers, places = list(nodes), list(nodes.values())
+        numbers: Any = list(nodes)
+        places: Any = list(nodes.values())
     else:
         places = getattr(nodes, "coordinates", getattr(nodes, "nodes_m", nodes))
         numbers = getattr(nodes, "nodes", None)
@@ -297,7 +302,7 @@ def _exchanged(node: dict[Any, int], numbers: IntArray) -> list[str]:
     return [f"{a!r} and {b!r} look exchanged: each lies at the other's node" for a, b in sorted(pairs)]
 
 
-def _explain(at: FloatArray, places: FloatArray, tree: cKDTree, reach: float) -> None:
+def _explain(at: FloatArray, places: FloatArray, tree: Any, reach: float) -> None:
     """Raise with the mistake under which the points lie at nodes; nothing where none does."""
 
     def share(moved: FloatArray) -> float:

@@ -374,8 +374,9 @@ def read_lvm(
     """
     file, given = opened(read_lvm, path, options)
     if re.match(r"\s*[-+\d.]", decoded(file)) and run is None:  # no header: the first column is the time
-        made = signal_of_table(file, table_of(file, None, None), replace(given, first="time"))
-        return cast(Recording, made)
+        return cast(
+            Recording, signal_of_table(file, table_of(file, None, None), replace(given, first="time"))
+        )
     form, segments = _segments(file)
     if run is not None and not (type(run) is int and 1 <= run <= len(segments)):
         wanted = f"1 to {len(segments)}, the segments of {str(file)!r}"

@@ -1,8 +1,8 @@
 """Records of sensors with clocks of their own, joined by their instants to one recording.
 
 A sensor's clock is a smooth line through its instants: jitter of single ones is that of the stamps, not of
-the samples. Samples are interpolated at the instants of the slowest sensor by a symmetric windowed sinc, which
-has no phase of its own; its passband ends at 0.8 of the lower Nyquist frequency. Samples that were missed are
+the samples. Samples are interpolated at the instants of the slowest sensor by a symmetric windowed sinc,
+which has no phase of its own; its passband ends at 0.8 of the lower Nyquist frequency. Missed samples are
 those that leave the smallest error of an autoregression of their own channel (Janssen, Veldhuis and Vries,
 IEEE Trans. ASSP 34 (1986) 317-330, doi 10.1109/TASSP.1986.1164824).
 """
@@ -15,7 +15,6 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
 
 from ..exceptions import part, reject
 from ..support.checks import FloatArray, IntArray
@@ -123,6 +122,8 @@ def _labels(records: Sequence[Recording], dofs: Sequence[Any] | None) -> list[An
 
 def _clocked(number: int, rec: Recording) -> _Clocked:
     """The samples with those that were missed, over a smooth clock."""
+    from scipy.ndimage import uniform_filter1d
+
     name, time_s = part("records", number), np.asarray(rec.time_s)
     counts = np.rint(np.diff(time_s) * rec.fs_hz).astype(int)
     if counts.min() < 1:

@@ -148,7 +148,9 @@ def _insert(db: sqlite3.Connection, path: Path, row: Row) -> Row:
         facts = json.dumps(plain["facts"], separators=(",", ":"))
         columns = compress(json.dumps({name: plain[name] for name in ("columns", "scores")}).encode(), 1)
     values = (row.name, row.fingerprint, *_texts(row), row.failed, facts, columns)
-    db.execute("INSERT OR REPLACE INTO tests VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, ?)", (*values, _checksum(values)))
+    db.execute(
+        "INSERT OR REPLACE INTO tests VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, ?)", (*values, _checksum(values))
+    )
     return replace(row, plain=partial(_plain, path, row.name, crc32(columns)))
 
 
