@@ -10,6 +10,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.damage.measured_states import LEAST_STD, roots_at
+from antires_rs.damage.shapes import structure_of
 from antires_rs.planning import placement, simulated_tests
 from antires_rs.planning.detection_curves import fit_logit
 from antires_rs.planning.placement import CRITERIA, ExpectedErrors, Layout, exhaustive, greedy
@@ -69,6 +70,22 @@ def test_an_element_that_moves_nothing_is_never_seen_and_rotations_are_not_measu
     beam = ar.FrameModel([(0.2 * i, 0.0) for i in range(5)], [(i, i + 1) for i in range(4)], tube, fixed=[0])
     labels = ar.plan_test(beam, n_sensors=2, band_hz=(1.0, 800.0)).labels
     assert [name.endswith("theta") for name in labels.values()] == [False] * 8
+
+
+def test_sets_for_a_frame_are_compared_by_what_it_may_stand_for():
+    """Corners that turn and feet that yield, on springs; a free beam is but itself."""
+    tube = ar.Tube(0.02, 0.002, 2.1e11, 7850.0)
+    places, lines = [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.0)], [(0, 1), (1, 2), (2, 3)]
+    portal = ar.FrameModel(places, lines, tube, fixed=[0, 3])
+    forms = structure_of(portal).forms()
+    assert len(forms) == 8  # as it is; three springs, with and without feet that yield; these alone
+    assert {form.n_dof - portal.n_dof for form in forms} == {0, 4, 6, 10}
+    line = ar.FrameModel(places[:2], lines[:1], tube)
+    assert structure_of(line).forms() == []
+    given = {"n_sensors": 3, "excitations": 0, "band_hz": (1.0, 300.0), "std": STD}
+    plan = ar.plan_test(portal, **given)
+    told = ar.plan_test(portal, candidates=plan.sensors, **given)
+    assert told.value == pytest.approx(plan.value)
 
 
 def test_threads_change_no_bit():
