@@ -8,10 +8,12 @@ import os
 import re
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -140,7 +142,8 @@ class Code:
         with self._lock:
             self._stopped = True
             for process in self._running:
-                process.kill()
+                with suppress(OSError):  # and what it has begun itself, as scripts around a code do
+                    os.killpg(process.pid, signal.SIGKILL) if os.name == "posix" else process.kill()
 
 
 def _by_name(groups: Any) -> dict[str, Any]:
