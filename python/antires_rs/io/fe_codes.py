@@ -140,9 +140,8 @@ class Fitted:
             kept = np.abs(values) > 1e-11 * most
             at = self._at[kept]
             if at.size:
-                made[power] = csr_array(
-                    (values[kept], (at // self._n, at % self._n)), shape=(self._n, self._n)
-                )
+                places = at // self._n, at % self._n
+                made[power] = csr_array((values[kept], places), shape=(self._n, self._n))
         return made
 
 
@@ -188,18 +187,15 @@ class Finder:
         return [Fitted(factors, each, sizes) for each, sizes in zip(changes, self._sizes, strict=True)]
 
     def _refuse(self, name: str, left: float) -> NoReturn:
-        got = f"matrices that are no polynomial in its value: {left:.1g} of the largest entries is left"
+        got = f"matrices that are no polynomial in its value: {left:.1g} of the entries is left"
         remedy = "Take another quantity, or the part of the group for which it is one."
         reject(("groups", name), got, f"powers from -1 to 4 that leave at most {POLYNOMIAL:g}", remedy)
 
     def _check(self, found: Terms) -> None:
         """All groups at other values in one run; where it differs, find which is the reason."""
-        factors = {
-            each.name: 0.0
-            if each.quantity == "stiffness"
-            else 0.75 + round(0.5 * (0.382 + 0.618 * nth) % 0.5, 3)
-            for nth, each in enumerate(self._code.asked)
-        }
+        spread = [0.7 + round((0.191 + 0.309 * nth) % 0.5, 3) for nth in range(len(self._code.asked))]
+        asked = zip(self._code.asked, spread, strict=True)
+        factors = {each.name: 0.0 if each.quantity == "stiffness" else s for each, s in asked}
         if self._left(found, factors) <= self._allowed(found):
             return
         for name, factor in factors.items():
