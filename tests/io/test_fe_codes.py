@@ -176,6 +176,7 @@ def test_a_command_that_fails_is_told(program, tmp_path):
     refused("a finite number", ar.read_model, source, groups={"web": "WEB"}, command=command)
 
 
+@pytest.mark.skipif(os.name != "posix", reason="no SIGKILL")
 def test_killed_in_the_middle_it_goes_on_to_the_same_file(program, tmp_path):
     source, command = program
     whole = ar.read_model(source, groups=GROUPS, command=command, out=tmp_path / "whole.npz")
@@ -490,7 +491,7 @@ def test_thickness_of_shells_is_a_polynomial(tmp_path):
     groups = {"skin": "SKIN:thickness", "rib": "RIB"}
     model = ar.read_model(tmp_path / "plate.inp", groups=groups)
     assert not model.groups["skin"].linear
-    np.testing.assert_allclose(model.modes(5).freq_hz, calculix_hz(text, tmp_path, n_modes=5), rtol=5e-6)
+    np.testing.assert_allclose(model.modes(5).freq_hz, calculix_hz(text, tmp_path, n_modes=5), rtol=1e-6)
     rng = np.random.default_rng(3)
     for factor in rng.uniform(0.6, 1.6, SETS).round(3):
         (tmp_path / "other.inp").write_text(ribbed(factor * 0.02)[0])
@@ -503,7 +504,7 @@ def test_thickness_of_shells_is_a_polynomial(tmp_path):
     np.testing.assert_allclose(
         model.antiresonances(f"{node}:Z", f"{node}:Z", f_max_hz=held[-1] * 1.001, include_cancelled=True),
         held,
-        rtol=1e-4,
+        rtol=1e-6,
     )
 
 
