@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -189,7 +189,7 @@ def scene(
     texts = [f"{name}: {(says or {}).get(i, '')}".rstrip(": ") for i, name in enumerate(names)]
     points = [point_of(model.dof_label(dof)) for dof in range(model.n_dof)]
     row = dict(zip(np.asarray(numbers).tolist(), range(len(numbers)), strict=True))
-    size = float(np.ptp(places, axis=0).max()) or 1.0
+    size, moved = _size(places), _moves(row, points, places)
     arrows: list[Arrows] = []
     force = [] if excitation is None else [excitation]
     for name, dofs, colour, share in (
@@ -202,7 +202,7 @@ def scene(
             ways = np.array([np.sign(code) * np.eye(3)[(abs(code) - 1) % 3] for _, code in there])
             heads = places[[row[node] for node, _ in there]]
             arrows.append(Arrows(heads - share * LONG * size * ways, heads, colour, 1.6 * share, label=name))
-    moves = {name: _moves(row, points, one, len(places), size) for name, one in shapes}
+    moves = {name: moved(one) for name, one in shapes}
     return Scene(places, cells, part, texts, given, label, arrows, moves)
 
 
@@ -259,17 +259,25 @@ def _once(faces: IntArray, n: int) -> Any:
     return counts[inverse.ravel()] == 1
 
 
-def _moves(row: dict[int, int], points: list[Any], shape: Any, n_nodes: int, size: float) -> FloatArray:
-    """Translations of the nodes, (n_nodes, 3), the largest a small share of the structure."""
-    wanted = f"an array ({len(points)},), a motion of each dof"
-    moves, values = np.zeros((n_nodes, 3)), real_array("shape", shape, ndim=1, wanted=wanted)
-    if values.size != len(points):
-        reject("shape", f"{values.size} values", wanted, "As in model.modes(n_modes=3).shapes[2].")
-    for point, value in zip(points, values.tolist(), strict=True):
-        if point is not None and abs(point[1]) <= 3 and point[0] in row:
-            moves[row[point[0]], abs(point[1]) - 1] += np.sign(point[1]) * value
-    largest = float(np.linalg.norm(moves, axis=1).max(initial=0.0))
-    return moves * (MOVED * size / largest) if largest else moves
+def _moves(row: dict[int, int], points: list[Any], places: FloatArray) -> Callable[[Any], FloatArray]:
+    """From a motion of the dofs to translations of the nodes, (n, 3), the largest a small share of all."""
+    known = [(dof, row[p[0]], p[1]) for dof, p in enumerate(points) if p and p[0] in row and abs(p[1]) <= 3]
+    dofs, rows, codes = np.array(known, dtype=np.intp).reshape(-1, 3).T
+
+    def moved(shape: Any) -> FloatArray:
+        wanted = f"an array ({len(points)},), a motion of each dof"
+        values, moves = real_array("shape", shape, ndim=1, wanted=wanted), np.zeros(places.shape)
+        if values.size != len(points):
+            reject("shape", f"{values.size} values", wanted, "As in model.modes(n_modes=3).shapes[2].")
+        np.add.at(moves, (rows, np.abs(codes) - 1), np.sign(codes) * values[dofs])
+        largest = float(np.linalg.norm(moves, axis=1).max(initial=0.0))
+        return moves * (MOVED * _size(places) / largest) if largest else moves
+
+    return moved
+
+
+def _size(places: FloatArray) -> float:
+    return float(np.ptp(places, axis=0).max()) or 1.0
 
 
 # -- The same as a picture, and as data for a page
@@ -309,7 +317,7 @@ def page_data(one: Scene) -> str:
     used, cells = np.unique(one.cells, return_inverse=True)
     cells = cells.reshape(one.cells.shape)
     low = one.points[used].min(axis=0)
-    scale = _UNITS / (float(np.ptp(one.points[used], axis=0).max()) or 1.0)
+    scale = _UNITS / _size(one.points[used])
 
     def whole(values: Any) -> Any:
         return np.diff(np.rint(values).astype(np.int64), axis=0, prepend=0).ravel().tolist()

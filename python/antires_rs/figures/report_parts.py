@@ -218,12 +218,12 @@ def packed(figure: Callable[[], Any]) -> str:
 
 def packed_scene(one: Scene) -> str:
     """A scene as it stands in a page; it needs no library."""
-    return _packed(page_data(one))
+    return _packed(page_data(one), 6)
 
 
-def _packed(text: str) -> str:
+def _packed(text: str, level: int = 9) -> str:
     # Without a time the same text is the same bytes.
-    return b64encode(gzip.compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
+    return b64encode(gzip.compress(text.encode("utf-8"), level, mtime=0)).decode("ascii")
 
 
 def _drawer() -> str:
