@@ -18,6 +18,8 @@ def meshed_chain(name="spring {}"):
         groups.append(ar.TermGroup(called, "youngs_modulus", 1.0, ((i, 1),), (), np.array([10 + i])))
     places = np.column_stack([np.arange(n), 0.3 * np.arange(n) ** 1.5, np.zeros(n)])
     ends = np.column_stack([np.arange(1, n), np.arange(2, n + 1)])
-    mesh = ar.Mesh(np.arange(1, n + 1), places, 10 + np.arange(n - 1), ends, ("T3D2",), np.zeros(n - 1, dtype=int))
+    mesh = ar.Mesh(
+        np.arange(1, n + 1), places, 10 + np.arange(n - 1), ends, ("T3D2",), np.zeros(n - 1, dtype=int)
+    )
     dofs = [f"{i + 1}:Z" for i in range(n)]
     return ar.MatrixModel(k, chain.mass(), stiffness_terms=terms, groups=groups, mesh=mesh, dofs=dofs)

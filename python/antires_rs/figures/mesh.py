@@ -56,9 +56,9 @@ def plot_mesh(
     Parameters
     ----------
     model : MatrixModel with a mesh, or FrameModel in space
-    values : mapping of int to float, or array_like, (n_terms,), optional
-        Value of each stiffness term, for example ``DamageResult.severity``: light grey at 0, dark at the
-        largest. By default the colours tell groups apart.
+    values : mapping of int or str to float, or array_like, (n_terms,), optional
+        Value of each stiffness term, by its number or name, for example ``DamageResult.severity``: light grey
+        at 0, dark at the largest. By default the colours tell groups apart.
     sensors, excitation : sequence of int or str, and int or str, optional
         Dofs of accelerometers and force: arrows along their directions, the force's heavier.
     shape : array_like, (n_dof,), optional
@@ -162,6 +162,9 @@ def scene(
         reject("model", got, "a model of read_model, or a frame in space", "Give MatrixModel(..., mesh=...).")
     frame = isinstance(model, FrameModel)
     n_terms = len(model.elements) if frame else model._core.n_stiffness_terms
+    if isinstance(values, Mapping):
+        index = model._recipe.term_index
+        values = {index("stiffness_factor", e) if isinstance(e, str) else e: v for e, v in values.items()}
     given = _value_by_element(values, n_terms)
     if frame:
         numbers, places = np.arange(len(model.nodes_m)), np.asarray(model.nodes_m)
@@ -227,13 +230,13 @@ def _cells(mesh: Any, groups: list[IntArray], values: FloatArray | None) -> tupl
     for kind in range(len(mesh.kinds)):
         for n in np.unique(used[mesh.kind == kind]).tolist():
             own = np.flatnonzero((mesh.kind == kind) & (used == n))
-            if _SOLID.match(mesh.kinds[kind]) and n in _SOLIDS:
+            if _SOLID.search(mesh.kinds[kind]) and n in _SOLIDS:
                 faces = np.array(_SOLIDS[n])
                 solids.append(nodes[own][:, faces].reshape(-1, 4))
                 owners.append(np.repeat(group[own], len(faces)))
                 continue
             kind_name = mesh.kinds[kind]
-            if n == 2 or (n == 3 and _LINE.match(kind_name)):  # the middle node stands between, or last
+            if n == 2 or (n == 3 and _LINE.search(kind_name)):  # the middle node stands between, or last
                 corners = [0, n - 1 if kind_name.startswith("B3") else 1]
             else:
                 corners = list(range(4 if n in (4, 8, 9) else min(n, 3)))
