@@ -19,6 +19,7 @@ from ..support.directions import point_of
 from ..support.files import write_atomically
 from .canvas import draw, new_axes
 from .marks import SCALE, Arrows, Axis, Faces, Mark, Panel, Scene, Words, xy
+from .packing import packed_text, policy, script
 from .structure import ISOMETRIC, _value_by_element
 
 if TYPE_CHECKING:
@@ -112,13 +113,11 @@ def write_mesh(
     ...     page.stat().st_size < 50_000
     True
     """
-    from . import report_parts as parts
-
     shapes = [] if modes is None else shapes_of(modes)
-    block = parts.packed_scene(scene(model, values, sensors, excitation, label, shapes))
+    block = packed_text(page_data(scene(model, values, sensors, excitation, label, shapes)), 6)
     page = f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{parts.policy()}">
+<meta http-equiv="Content-Security-Policy" content="{policy()}">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>{escape(title)}</title><link rel="icon" href="data:,">
 <style>body {{ margin: 1rem auto; padding: 0 1rem; max-width: 75rem; color: #1f2328; background: #fff;
@@ -126,7 +125,7 @@ def write_mesh(
 .packed {{ display: none; }} figure {{ margin: 0; }}</style></head><body>
 <h1>{escape(title)}</h1>
 <figure><div class="live" id="figure-model"></div><script type="text/plain" class="packed">{block}</script>
-</figure><script>{parts.script()}</script></body></html>
+</figure><script>{script()}</script></body></html>
 """
     return write_atomically(path, page.encode("utf-8"))
 
