@@ -29,6 +29,7 @@ VIEWS = {  # By class and verb: the function, in "room.module:function".
     ("FrequencyResponse", "to_xarray"): "io.data_frames:to_xarray",
     ("Hypotheses", "plot"): "figures.damage:plot_hypotheses",
     ("Hypotheses", "to_dataframe"): "io.data_frames:hypotheses_frame",
+    ("MatrixModel", "plot"): "figures.mesh:plot_mesh",
     ("ParameterIntervals", "to_dataframe"): "io.data_frames:intervals_frame",
     ("Recording", "to_dataframe"): "io.data_frames:to_dataframe",
     ("Recording", "to_xarray"): "io.data_frames:to_xarray",

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.figures import report_parts as parts
+from antires_rs.figures import packing, report_parts as parts
 from antires_rs.figures.report import write_report
 from tests.support.browser import Watched, browser
 from tests.support.four_masses import chain, exact
@@ -244,7 +244,7 @@ def test_what_cannot_be_written_or_does_not_fit_the_result_is_refused(intact, no
 def test_diagrams_beyond_the_size_are_left_out_and_counted(nothing, tmp_path, monkeypatch, explored):
     drawn = parts.drawings_of(nothing, diagrams=dict.fromkeys(range(5), diagram(200, 1e-3, 16)))
     one = drawn.diagrams[0]
-    others = len(parts.library()) + sum(len(each.uri) + len(each.live) for each in drawn.figures.values())
+    others = len(packing.library()) + sum(len(each.uri) + len(each.live) for each in drawn.figures.values())
     room = others + int(2.5 * len(one.uri))
     shown, left = parts.fitting(drawn, room=room)
     assert (len(shown), left) == (2, 3)
@@ -296,10 +296,10 @@ def test_every_figure_has_its_numbers_in_the_page_and_asks_for_nothing(judged, r
 
 
 def test_without_the_library_pictures_are_all_there_is(judged, tmp_path, monkeypatch):
-    monkeypatch.setattr(parts, "find_spec", lambda name: None)
-    parts.library.cache_clear()
+    monkeypatch.setattr(packing, "find_spec", lambda name: None)
+    packing.library.cache_clear()
     page = read(write_report(judged, tmp_path / "r.html"))
-    parts.library.cache_clear()
+    packing.library.cache_clear()
     assert (page.of("script"), len(page.pictures)) == ([], 4)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,7 @@ from ..support.directions import point_of
 from ..support.files import write_atomically
 from .canvas import draw, new_axes
 from .marks import SCALE, Arrows, Axis, Faces, Mark, Panel, Scene, Words, xy
+from .packing import packed_text, policy, script
 from .structure import ISOMETRIC, _value_by_element
 
 if TYPE_CHECKING:
@@ -56,9 +57,9 @@ def plot_mesh(
     Parameters
     ----------
     model : MatrixModel with a mesh, or FrameModel in space
-    values : mapping of int to float, or array_like, (n_terms,), optional
-        Value of each stiffness term, for example ``DamageResult.severity``: light grey at 0, dark at the
-        largest. By default the colours tell groups apart.
+    values : mapping of int or str to float, or array_like, (n_terms,), optional
+        Value of each stiffness term, by its number or name, for example ``DamageResult.severity``: light grey
+        at 0, dark at the largest. By default the colours tell groups apart.
     sensors, excitation : sequence of int or str, and int or str, optional
         Dofs of accelerometers and force: arrows along their directions, the force's heavier.
     shape : array_like, (n_dof,), optional
@@ -112,13 +113,11 @@ def write_mesh(
     ...     page.stat().st_size < 50_000
     True
     """
-    from . import report_parts as parts
-
     shapes = [] if modes is None else shapes_of(modes)
-    block = parts.packed_scene(scene(model, values, sensors, excitation, label, shapes))
+    block = packed_text(page_data(scene(model, values, sensors, excitation, label, shapes)), 6)
     page = f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{parts.policy()}">
+<meta http-equiv="Content-Security-Policy" content="{policy()}">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>{escape(title)}</title><link rel="icon" href="data:,">
 <style>body {{ margin: 1rem auto; padding: 0 1rem; max-width: 75rem; color: #1f2328; background: #fff;
@@ -126,7 +125,7 @@ def write_mesh(
 .packed {{ display: none; }} figure {{ margin: 0; }}</style></head><body>
 <h1>{escape(title)}</h1>
 <figure><div class="live" id="figure-model"></div><script type="text/plain" class="packed">{block}</script>
-</figure><script>{parts.script()}</script></body></html>
+</figure><script>{script()}</script></body></html>
 """
     return write_atomically(path, page.encode("utf-8"))
 
@@ -162,6 +161,9 @@ def scene(
         reject("model", got, "a model of read_model, or a frame in space", "Give MatrixModel(..., mesh=...).")
     frame = isinstance(model, FrameModel)
     n_terms = len(model.elements) if frame else model._core.n_stiffness_terms
+    if isinstance(values, Mapping):
+        index = model._recipe.term_index
+        values = {index("stiffness_factor", e) if isinstance(e, str) else e: v for e, v in values.items()}
     given = _value_by_element(values, n_terms)
     if frame:
         numbers, places = np.arange(len(model.nodes_m)), np.asarray(model.nodes_m)
@@ -189,7 +191,7 @@ def scene(
     texts = [f"{name}: {(says or {}).get(i, '')}".rstrip(": ") for i, name in enumerate(names)]
     points = [point_of(model.dof_label(dof)) for dof in range(model.n_dof)]
     row = dict(zip(np.asarray(numbers).tolist(), range(len(numbers)), strict=True))
-    size = float(np.ptp(places, axis=0).max()) or 1.0
+    size, moved = _size(places), _moves(row, points, places)
     arrows: list[Arrows] = []
     force = [] if excitation is None else [excitation]
     for name, dofs, colour, share in (
@@ -202,7 +204,7 @@ def scene(
             ways = np.array([np.sign(code) * np.eye(3)[(abs(code) - 1) % 3] for _, code in there])
             heads = places[[row[node] for node, _ in there]]
             arrows.append(Arrows(heads - share * LONG * size * ways, heads, colour, 1.6 * share, label=name))
-    moves = {name: _moves(row, points, one, len(places), size) for name, one in shapes}
+    moves = {name: moved(one) for name, one in shapes}
     return Scene(places, cells, part, texts, given, label, arrows, moves)
 
 
@@ -227,13 +229,13 @@ def _cells(mesh: Any, groups: list[IntArray], values: FloatArray | None) -> tupl
     for kind in range(len(mesh.kinds)):
         for n in np.unique(used[mesh.kind == kind]).tolist():
             own = np.flatnonzero((mesh.kind == kind) & (used == n))
-            if _SOLID.match(mesh.kinds[kind]) and n in _SOLIDS:
+            if _SOLID.search(mesh.kinds[kind]) and n in _SOLIDS:
                 faces = np.array(_SOLIDS[n])
                 solids.append(nodes[own][:, faces].reshape(-1, 4))
                 owners.append(np.repeat(group[own], len(faces)))
                 continue
             kind_name = mesh.kinds[kind]
-            if n == 2 or (n == 3 and _LINE.match(kind_name)):  # the middle node stands between, or last
+            if n == 2 or (n == 3 and _LINE.search(kind_name)):  # the middle node stands between, or last
                 corners = [0, n - 1 if kind_name.startswith("B3") else 1]
             else:
                 corners = list(range(4 if n in (4, 8, 9) else min(n, 3)))
@@ -259,17 +261,25 @@ def _once(faces: IntArray, n: int) -> Any:
     return counts[inverse.ravel()] == 1
 
 
-def _moves(row: dict[int, int], points: list[Any], shape: Any, n_nodes: int, size: float) -> FloatArray:
-    """Translations of the nodes, (n_nodes, 3), the largest a small share of the structure."""
-    wanted = f"an array ({len(points)},), a motion of each dof"
-    moves, values = np.zeros((n_nodes, 3)), real_array("shape", shape, ndim=1, wanted=wanted)
-    if values.size != len(points):
-        reject("shape", f"{values.size} values", wanted, "As in model.modes(n_modes=3).shapes[2].")
-    for point, value in zip(points, values.tolist(), strict=True):
-        if point is not None and abs(point[1]) <= 3 and point[0] in row:
-            moves[row[point[0]], abs(point[1]) - 1] += np.sign(point[1]) * value
-    largest = float(np.linalg.norm(moves, axis=1).max(initial=0.0))
-    return moves * (MOVED * size / largest) if largest else moves
+def _moves(row: dict[int, int], points: list[Any], places: FloatArray) -> Callable[[Any], FloatArray]:
+    """From a motion of the dofs to translations of the nodes, (n, 3), the largest a small share of all."""
+    known = [(dof, row[p[0]], p[1]) for dof, p in enumerate(points) if p and p[0] in row and abs(p[1]) <= 3]
+    dofs, rows, codes = np.array(known, dtype=np.intp).reshape(-1, 3).T
+
+    def moved(shape: Any) -> FloatArray:
+        wanted = f"an array ({len(points)},), a motion of each dof"
+        values, moves = real_array("shape", shape, ndim=1, wanted=wanted), np.zeros(places.shape)
+        if values.size != len(points):
+            reject("shape", f"{values.size} values", wanted, "As in model.modes(n_modes=3).shapes[2].")
+        np.add.at(moves, (rows, np.abs(codes) - 1), np.sign(codes) * values[dofs])
+        largest = float(np.linalg.norm(moves, axis=1).max(initial=0.0))
+        return moves * (MOVED * _size(places) / largest) if largest else moves
+
+    return moved
+
+
+def _size(places: FloatArray) -> float:
+    return float(np.ptp(places, axis=0).max()) or 1.0
 
 
 # -- The same as a picture, and as data for a page
@@ -309,7 +319,7 @@ def page_data(one: Scene) -> str:
     used, cells = np.unique(one.cells, return_inverse=True)
     cells = cells.reshape(one.cells.shape)
     low = one.points[used].min(axis=0)
-    scale = _UNITS / (float(np.ptp(one.points[used], axis=0).max()) or 1.0)
+    scale = _UNITS / _size(one.points[used])
 
     def whole(values: Any) -> Any:
         return np.diff(np.rint(values).astype(np.int64), axis=0, prepend=0).ravel().tolist()

@@ -27,6 +27,7 @@ from ..updating.result import UpdateResult
 from ..watch.monitor import Watched, alarm_lines, fault_lines, rate_lines
 from . import report_parts as parts
 from .canvas import picture
+from .packing import library, packed, policy, script
 from .report_parts import Drawings, Facts
 from .responses import dof_name
 from .sets import draw_monitor, panels, size_in, watched_figure
@@ -99,9 +100,9 @@ def write_report(
         left_out=left_out,
         model=parts.of_model(problem.model),
         run=parts.of_search(result) | _lines(origin or {}) | {"Report made with": [made, when]},
-        library=parts.library(),
-        script=parts.script(),
-        policy=parts.policy(),
+        library=library(),
+        script=script() if library() or any(each.scene for each in drawn.figures.values()) else "",
+        policy=policy(),
     )
     return write_atomically(path, html.encode("utf-8"))
 
@@ -175,17 +176,17 @@ def write_monitor_report(watched: Watched, path: str | os.PathLike[str]) -> None
     # The style of the other reports; the charts are explored where bokeh is installed.
     style = _asset("report.html").split("<style>")[1].split("</style>")[0]
     live = draw = ""
-    if library := parts.library():
-        packed = '<script type="text/plain" {}>{}</script>'
-        block = packed.format('class="packed"', parts.packed(lambda: watched_figure(watched)))
+    if drawer := library():
+        block_of = '<script type="text/plain" {}>{}</script>'
+        block = block_of.format('class="packed"', packed(lambda: watched_figure(watched)))
         live = f'<div class="live" id="figure-charts"></div>{block}'
-        draw = packed.format('id="library"', library) + f"<script>{parts.script()}</script>"
+        draw = block_of.format('id="library"', drawer) + f"<script>{script()}</script>"
     # Indented lines belong to the one above.
     text = escape("\n".join(line.rstrip() for line in alarm_lines(watched))).replace("\n  ", "<br>")
     told = "".join(f"<p>{line}</p>" for line in text.splitlines())
     page = f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{parts.policy()}">
+<meta http-equiv="Content-Security-Policy" content="{policy()}">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>Watch: {alarms} of {count} tests alarm</title><link rel="icon" href="data:,">
 <style>{style}</style></head><body>

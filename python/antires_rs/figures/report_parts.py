@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-import gzip
-import json
-import re
 from base64 import b64encode
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import cache, cached_property, partial
-from hashlib import sha256
-from importlib.resources import files
-from importlib.util import find_spec
+from functools import cached_property, partial
 from io import BytesIO
 from typing import Any, NamedTuple, cast
 
@@ -35,9 +29,10 @@ from . import responses
 from .canvas import picture
 from .damage import WORTH_A_ROW, losses, plot_damage, plot_hypotheses, probabilities, worth_a_row
 from .identification import stabilization_figure
-from .live_canvas import explored, item, script_files
+from .live_canvas import explored
 from .marks import Line, Scene
 from .mesh import MOST_MODES, has_mesh, page_data, plot_mesh, scene, shapes_of
+from .packing import library, packed, packed_text
 from .responses import dof_name
 from .structure import chain, frame, plot_chain, plot_frame, seen_points
 from .updating import convergence, differences, plot_convergence, plot_differences
@@ -195,65 +190,6 @@ def _span(values: Any, unit: str) -> str:
     return f"{len(values)} of {low:.6g}{'' if low == high else f' to {high:.6g}'} {unit}"
 
 
-# -- Figures to be explored inside a page: packed, unpacked by the browser when they come into sight
-#
-# Each is a block of base64 of gzip, and so is the library that draws them, so that a page of many figures
-# stays small, holds no address, and nothing in it can be taken for markup. Where the library is not
-# installed, scripts are switched off or the page is printed, the pictures stand there instead.
-
-_NAMED = re.compile(r'("(?:root_)?id":")([^"]*)')  # where the data of a figure name one of its parts
-
-
-def packed(figure: Callable[[], Any]) -> str:
-    """A figure as it stands in a page; empty where there is none, or nothing that makes it."""
-    made = figure() if find_spec("bokeh") else None
-    if made is None:
-        return ""
-    names: dict[str, str] = {}  # Its parts are named by what it shows: the same report is the same bytes.
-    text = json.dumps(item(made), separators=(",", ":"))
-    counted = _NAMED.sub(lambda m: m[1] + names.setdefault(m[2], f"p{len(names)}"), text)
-    mark = sha256(counted.encode("utf-8")).hexdigest()[:8]
-    return _packed(_NAMED.sub(rf"\g<1>{mark}\2", counted))
-
-
-def packed_scene(one: Scene) -> str:
-    """A scene as it stands in a page; it needs no library."""
-    return _packed(page_data(one))
-
-
-def _packed(text: str) -> str:
-    # Without a time the same text is the same bytes.
-    return b64encode(gzip.compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
-
-
-def _drawer() -> str:
-    return "\n".join(file.read_text(encoding="utf-8") for file in script_files())
-
-
-@cache
-def library() -> str:
-    """What draws the figures; empty where it is not installed."""
-    return _packed(_drawer()) if find_spec("bokeh") else ""
-
-
-@cache
-def script() -> str:
-    """What draws scenes, and what unpacks them and the figures."""
-    assets = files(__package__).joinpath("assets")
-    return "".join(assets.joinpath(name).read_text(encoding="utf-8") for name in ("scene.js", "live.js"))
-
-
-def policy() -> str:
-    """What a browser lets the page do: run these two scripts, and load nothing."""
-    texts = (script(), _drawer()) if find_spec("bokeh") else (script(),)
-    digests = [b64encode(sha256(text.encode("utf-8")).digest()).decode("ascii") for text in texts]
-    own = " ".join(f"'sha256-{digest}'" for digest in digests)
-    return (
-        f"default-src 'none'; script-src {own}; style-src 'unsafe-inline'; "
-        "img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'"
-    )
-
-
 # -- The figures of a result, each made once, with the sentences that stand under it and in place of it
 
 COLOURS_KEPT = 128  # of a picture: lines and their soft edges need no more, and a third of the bytes is left
@@ -277,7 +213,7 @@ class Figure:
     @cached_property
     def live(self) -> str:
         """To be explored, packed; empty where nothing makes it."""
-        return packed(self.explore) if self.scene is None else packed_scene(self.scene())
+        return packed(self.explore) if self.scene is None else packed_text(page_data(self.scene()), 6)
 
     @cached_property
     def png(self) -> bytes:

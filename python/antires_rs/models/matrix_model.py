@@ -12,6 +12,7 @@ from .._core import Model as CoreModel
 from ..exceptions import InvalidInputError, part, reject
 from ..support.checks import FloatArray
 from ..support.directions import names_of
+from ..views import Viewed
 from .constraints import equations_by_number
 from .matrices import Columns, Entries, as_masses, as_square, as_term
 from .parameters import Parameter
@@ -25,7 +26,7 @@ _APART, _MOST_FOR_BOTH = 8.0, 200
 _ANY = (1e-12, 1e12)  # bounds of factors that are applied, not searched
 
 
-class MatrixModel(StructuralModel):
+class MatrixModel(StructuralModel, Viewed):
     """Stiffness and mass from any finite-element code, with the terms that parameters may scale.
 
     Parameters
@@ -249,6 +250,10 @@ class MatrixModel(StructuralModel):
         entries = matrix.tocoo()
         at = np.take(number, entries.row), np.take(number, entries.col)
         return csc_array((entries.data, at), shape=(self.n_dof, self.n_dof))
+
+    def plot(self, values: Any = None, ax: Any = None, **options: Any) -> Any:
+        """Draw the mesh; ``values`` and ``options`` as in :func:`antires_rs.figures.plot_mesh`."""
+        return self._view("plot")(self, values, ax=ax, **options)
 
     def __repr__(self) -> str:
         gone = self._independent.dependent.dofs.size

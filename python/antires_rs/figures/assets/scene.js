@@ -69,11 +69,9 @@ window.drawScene = function (place, data) {
   // -- Drawing: triangles into a depth and a cell for each pixel, then colours, outlines, arrows and names
   const x = new Float32Array(n), y = new Float32Array(n), z = new Float32Array(n), light = new Uint8Array(m);
   const pen = canvas.getContext("2d");
-  let wide = 0, high = 0, image, pixels, depth, cell, fit = 1, ratio = 1;
-  function sized() {
+  function sized(coarse) {
     const css = place.clientWidth, tall = Math.round(Math.min(Math.max(0.56 * css, 260), 620));
-    ratio = Math.max(window.devicePixelRatio || 1, 2);
-    if (css * ratio * tall * ratio > 3e6) ratio = 1.5;
+    ratio = coarse ? 1 : Math.min(2, Math.sqrt(2e6 / (css * tall)));
     canvas.style.height = `${tall}px`;
     wide = canvas.width = Math.round(css * ratio);
     high = canvas.height = Math.round(tall * ratio);
@@ -81,16 +79,9 @@ window.drawScene = function (place, data) {
     pixels = new Uint32Array(image.data.buffer);
     depth = new Float32Array(wide * high);
     cell = new Int32Array(wide * high);
-    let across = 1, up = 1;
-    fit = 1;
-    const axes = view();
-    for (let i = 0; i < n; i++) {
-      const p = seen(axes, points[3 * i], points[3 * i + 1], points[3 * i + 2]);
-      across = Math.max(across, Math.abs(p[0] - wide / 2));
-      up = Math.max(up, Math.abs(p[1] - high / 2));
-    }
-    fit = 0.84 * Math.min(wide / 2 / across, high / 2 / up);
+    fit = 0.42 * Math.min(wide / extent[0], high / extent[1]);
   }
+  let fit = 1, wide = 0, high = 0, ratio = 1, image, pixels, depth, cell, extent = [1, 1];
   function view() {
     const ca = Math.cos(azimuth), sa = Math.sin(azimuth), ce = Math.cos(elevation), se = Math.sin(elevation);
     const s = fit * zoom;
@@ -99,20 +90,20 @@ window.drawScene = function (place, data) {
   // Across, down and towards the eye, in pixels.
   function seen(a, px, py, pz) {
     const u = px - middle[0], v = py - middle[1], w = pz - middle[2];
-    return [wide / 2 + shift[0] + a[0] * u + a[1] * v, high / 2 + shift[1] + a[2] * u + a[3] * v + a[4] * w, a[5] * u + a[6] * v + a[7] * w];
+    return [wide / 2 + ratio * shift[0] + a[0] * u + a[1] * v, high / 2 + ratio * shift[1] + a[2] * u + a[3] * v + a[4] * w, a[5] * u + a[6] * v + a[7] * w];
   }
   function triangle(id, ax, ay, az, bx, by, bz, cx, cy, cz) {
     const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
     if (!area) return;
     const left = Math.max(0, Math.ceil(Math.min(ax, bx, cx))), right = Math.min(wide - 1, Math.floor(Math.max(ax, bx, cx)));
     const top = Math.max(0, Math.ceil(Math.min(ay, by, cy))), under = Math.min(high - 1, Math.floor(Math.max(ay, by, cy)));
-    const see = ghost && !data.hit[parts[id]];
+    const see = ghost && !data.hit[parts[id]], dp = (by - cy) / area, dq = (cy - ay) / area;
     for (let j = top; j <= under; j++) {
-      for (let i = left; i <= right; i++) {
-        const p = ((bx - i) * (cy - j) - (by - j) * (cx - i)) / area;
-        const q = ((cx - i) * (ay - j) - (cy - j) * (ax - i)) / area, r = 1 - p - q;
-        if (p < 0 || q < 0 || r < 0 || (see && (i ^ j) & 3)) continue;
-        const at = j * wide + i, near = p * az + q * bz + r * cz;
+      let p = ((bx - left) * (cy - j) - (by - j) * (cx - left)) / area;
+      let q = ((cx - left) * (ay - j) - (cy - j) * (ax - left)) / area;
+      for (let i = left, at = j * wide + left; i <= right; i++, at++, p += dp, q += dq) {
+        if (p < -1e-6 || q < -1e-6 || p + q > 1.000001 || (see && (i ^ j) & 3)) continue;
+        const near = cz + p * (az - cz) + q * (bz - cz);
         if (near > depth[at]) { depth[at] = near; cell[at] = id; }
       }
     }
@@ -151,18 +142,18 @@ window.drawScene = function (place, data) {
     return faces ? Math.sqrt(area / faces) / ratio : 99; // roughly the side of a face in px
   }
   function colour(side) {
-    const each = side > 5, group = (c) => (c < 0 ? -2 : parts[c]);
-    const edge = (c, own) => c < 0 || Math.abs(light[c] - light[own]) > 16;
+    const each = side > 5;
     for (let j = 0, at = 0; j < high; j++) {
       for (let i = 0; i < wide; i++, at++) {
         const own = cell[at];
         if (own < 0) { pixels[at] = 0xffffffff; continue; }
-        const part = parts[own], base = rgb[part < 0 ? none : part];
-        let shade = light[own] / 255;
+        const part = parts[own], base = rgb[part < 0 ? none : part], lit = light[own];
+        let shade = lit / 255;
         const right = i + 1 < wide ? cell[at + 1] : own, under = j + 1 < high ? cell[at + wide] : own;
-        if (!ghost && light[own] !== 120 && (right !== own || under !== own)) {
-          if (group(right) !== part || group(under) !== part) shade *= 0.45;
-          else if (edge(right, own) || edge(under, own)) shade *= 0.6;
+        if ((right !== own || under !== own) && !ghost && lit !== 120) {
+          const out = right < 0 || under < 0;
+          if (out || parts[right] !== part || parts[under] !== part) shade *= 0.45;
+          else if (Math.abs(light[right] - lit) > 16 || Math.abs(light[under] - lit) > 16) shade *= 0.6;
           else if (each) shade *= 0.8;
         }
         pixels[at] = 0xff000000 | ((base[2] * shade) << 16) | ((base[1] * shade) << 8) | (base[0] * shade);
@@ -227,6 +218,7 @@ window.drawScene = function (place, data) {
     over();
     const took = performance.now() - begun;
     place.dataset.ms = took.toFixed(0);
+    if (held && took > 80 && ratio > 1) sized(true); // coarse as long as it is turned
     if (chosen >= 0 && !still) { // a slow one stands at its largest motion
       if (took > 150) still = true;
       show();
@@ -239,12 +231,16 @@ window.drawScene = function (place, data) {
     canvas.setPointerCapture(event.pointerId);
     canvas.focus({ preventScroll: true });
   };
-  canvas.onpointerup = canvas.onpointercancel = () => { held = null; };
+  canvas.onpointerup = canvas.onpointercancel = () => {
+    held = null;
+    sized();
+    show();
+  };
   canvas.onpointermove = (event) => {
     if (!held) return read(event);
     const dx = event.clientX - held[0], dy = event.clientY - held[1];
     held = [event.clientX, event.clientY];
-    if (event.shiftKey) shift = [shift[0] + ratio * dx, shift[1] + ratio * dy];
+    if (event.shiftKey) shift = [shift[0] + dx, shift[1] + dy];
     else turn(-dx / 150, dy / 150);
     show();
   };
@@ -277,9 +273,14 @@ window.drawScene = function (place, data) {
   new ResizeObserver(() => {
     if (Math.round(place.clientWidth * ratio) !== wide) { sized(); show(); }
   }).observe(place);
+  for (let i = 0, axes = view(); i < n; i++) { // how far it reaches from its middle, as it is seen at first
+    const p = seen(axes, points[3 * i], points[3 * i + 1], points[3 * i + 2]);
+    extent = extent.map((most, k) => Math.max(most, Math.abs(p[k])));
+  }
   sized();
   raster(0);
-  const there = new Set(cell.map((c) => (c < 0 ? -1 : parts[c])));
+  const there = new Set();
+  for (let at = 0; at < cell.length; at += 3) if (cell[at] >= 0) there.add(parts[cell[at]]);
   ghost = box.checked = data.hit.some((one, part) => one && !there.has(part)); // what would not be seen at all
   show();
 };
