@@ -249,6 +249,7 @@ class MinorsOfRecord:
     """The minors of a record: their names, and lines of those that are fitted together."""
 
     def __init__(self, rec: Recording, averages: Averages, order: int) -> None:
+        check_channels(len(rec.dofs), order)
         n_averages = averages.spectra.n_averages
         if n_averages <= order:
             got = f"{n_averages} averages of {order} forces"
