@@ -66,8 +66,8 @@ def test_minors_of_receptances_have_lost_forces_and_resonances():
 
 @pytest.mark.parametrize("order", [2, 3])
 def test_noise_of_minors_is_that_of_many_records(order):
-    """The scatter of minors over 2,000 averaged matrices is what the segments of each state."""
-    n, count, trials = 6, 64, 2000
+    """The scatter of minors over many averaged matrices is what the segments of each state."""
+    n, count, trials = 6, 200, 2000
     rng = np.random.default_rng(order)
     signal = np.linalg.qr(rng.standard_normal((n, order)) + 1j * rng.standard_normal((n, order)))[0]
     size = np.array([60.0, 25.0, 12.0])[:order]
