@@ -43,7 +43,7 @@ from ..signals.data_check import ROUGH
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..signals.repeats import as_first
-from ..signals.spectra import FLOOR_LINES, LEAST_NOISE, LINES, Segments, pieces, roughness
+from ..signals.spectra import FLOOR_LINES, GAIN, LEAST_NOISE, LINES, Segments, pieces, second_differences
 from ..support.checks import ComplexArray, FloatArray
 from .lines import Lines, require_live, unit
 from .stability import Directions
@@ -249,6 +249,7 @@ class MinorsOfRecord:
     """The minors of a record: their names, and lines of those that are fitted together."""
 
     def __init__(self, rec: Recording, averages: Averages, order: int) -> None:
+        check_channels(len(rec.dofs), order)
         n_averages = averages.spectra.n_averages
         if n_averages <= order:
             got = f"{n_averages} averages of {order} forces"
@@ -342,6 +343,19 @@ class MinorResponse(FrequencyResponse):
         return groups(strength)
 
 
+def _loud(values: ComplexArray) -> NDArray[np.bool_]:
+    """Which minors are more than what damping and errors make of one that is zero."""
+    power = np.abs(values) ** 2
+    share = np.median(power / np.maximum(power.sum(axis=0), 1e-300), axis=1)
+    return np.asarray(share > SILENT_SHARE * float(np.median(share)))
+
+
+def _rough(curve: ComplexArray) -> float:
+    """Noise over power at the median line, whatever the size of the curve beside it."""
+    power = np.maximum(np.abs(curve[1:-1]) ** 2, 1e-300)
+    return float(np.median(second_differences(curve) / power)) / GAIN
+
+
 def minors_of_curves(source: Any, order: int) -> MinorResponse:
     """The minors of a list of r responses."""
     if isinstance(source, MinorResponse):
@@ -363,7 +377,7 @@ def minors_of_curves(source: Any, order: int) -> MinorResponse:
 
     named = formed(size, first.dofs, order)
     values = minors_of(basis, named.rows).T
-    heard = np.flatnonzero([bool(one.any()) and roughness(one) < ROUGH for one in values])
+    heard = np.flatnonzero(_loud(values) & [bool(one.any()) and _rough(one) < ROUGH for one in values])
     if heard.size < 2:
         got = f"{heard.size} of {len(values)} sets of {order} responses that change smoothly"
         wanted = "two or more, which are compared"

@@ -406,13 +406,13 @@ def one_force(seen: Evidence, order: int = 1) -> CheckResults:
         why = f"{count}; {LEAST_AVERAGES:g} are needed to tell a second force from noise"
     elif n == 1:
         why = "a single channel has one eigenvalue"
-    elif n == 2 and seen.coherence is not None:
+    elif n == 2 and order == 1 and seen.coherence is not None:
         why = (
             "two channels cannot tell a second force from noise; their coherence is "
             f"{float(np.median(seen.coherence)):.3g} at the median line, and what lacks to one is either"
         )
-    elif n < order + 2:
-        why = f"{n} channels cannot tell {order} forces from noise; {order + 2} are needed"
+    elif n <= order:
+        why = f"{n} channels cannot tell {order} forces from noise; {order + 1} are needed"
     if why or seen.eigenvalues is None:
         return [NotTested(ONE_FORCE, why)]
     if order > 1:
@@ -468,12 +468,12 @@ def one_force(seen: Evidence, order: int = 1) -> CheckResults:
 
 
 def _several(seen: Evidence, order: int) -> CheckResults:
-    """Whether ``order`` forces act, neither more nor fewer."""
+    """Whether ``order`` forces act: not fewer, nor more where a channel beyond them tells of noise."""
     assert seen.eigenvalues is not None
     acting = forces_seen(seen, order + 1)
     assert acting is not None
     if acting > order:
-        counts, _ = _stands_out(seen, order)
+        counts = _stands_out(seen, order)
         share = float(counts.mean())
         middle = float(np.median((seen.eigenvalues[:, order] / seen.eigenvalues[:, order - 1])[counts]))
         text = (
@@ -486,7 +486,7 @@ def _several(seen: Evidence, order: int) -> CheckResults:
         return [Finding(ONE_FORCE, severity, (), share, LINES, text, advice)]
     if acting == order:
         return []
-    share = float(_stands_out(seen, order - 1)[0].mean())
+    share = float(_stands_out(seen, order - 1).mean())
     text = (
         f"{order} places are named, {acting} uncorrelated force{'s are' if acting > 1 else ' is'} seen: "
         f"eigenvalue {order} of the spectral matrix stands clear of noise and leakage at {100 * share:.0f} % "
@@ -508,20 +508,19 @@ def forces_seen(seen: Evidence, most: int | None = None) -> int | None:
         return None
     n = len(seen.dofs)
     for count in range(1, min(n - 1, n if most is None else most)):
-        if float(_stands_out(seen, count)[0].mean()) <= LINES:
+        if float(_stands_out(seen, count).mean()) <= LINES:
             return count
     return min(n - 1, n if most is None else most)
 
 
-def _stands_out(seen: Evidence, order: int) -> tuple[NDArray[np.bool_], FloatArray]:
-    """Lines at which eigenvalue ``order``, counted from 0, is of one more force, and its limit by noise."""
+def _stands_out(seen: Evidence, order: int) -> NDArray[np.bool_]:
+    """Lines at which eigenvalue ``order``, counted from 0, is of one more force."""
     assert seen.eigenvalues is not None
     own = seen.eigenvalues[:, order]
-    limit = OVER_NOISE * noise_level(seen, order)
-    counts = (own > limit) & (own > LEAST_SHARE * seen.eigenvalues[:, 0])
+    counts = (own > OVER_NOISE * noise_level(seen, order)) & (own > LEAST_SHARE * seen.eigenvalues[:, 0])
     if counts.any():
         counts &= own > OVER_LEAKAGE * seen.leakage_of(order)
-    return counts, limit
+    return np.asarray(counts)
 
 
 def noise_level(seen: Evidence, order: int = 1) -> FloatArray:
