@@ -33,7 +33,7 @@ class Layout:
     band_hz: tuple[float, float]
     sees: str
     #: The model with more than it was built with, where its roots are to be those of this.
-    base: StructuralModel | Joined | None = None
+    base: Joined | None = None
 
     @property
     def responses(self) -> tuple[End, ...]:
@@ -48,7 +48,8 @@ class Layout:
         """The core's objective of the responses, for its roots up to ``high_hz`` (and none of its values)."""
         parts = [(dof, self.force, np.array([high_hz / _MARGIN]), sees, 0) for dof in self.responses]
         core = self.model.description.core_parameters(parameters)
-        return antiresonance_objective(self.base or self.model, core, parts, "squared", None, 0.0, None)
+        built: Any = self.base or self.model
+        return antiresonance_objective(built, core, parts, "squared", None, 0.0, None)
 
     def inside(self, roots: Roots) -> BoolArray:
         """Which roots lie in the band."""
@@ -435,7 +436,7 @@ def _promising(
     information: Several, criterion: str, kept: list[int], outside: list[int], size: int, least: float
 ) -> list[tuple[int, ...]]:
     """What may join the kept ones and be worth more than ``least``: one or two, these by what each adds."""
-    if size == 1 or information.sets is not None or criterion != "determinant" or not kept:
+    if size == 1 or information.each[0].sets is not None or criterion != "determinant" or not kept:
         return list(combinations(outside, size))
     alone = information.worths(np.array([kept]), criterion, all_shown=True)[0]
     sets = np.array([[*kept, c] for c in outside])
