@@ -32,13 +32,14 @@ class Layout:
     band_hz: tuple[float, float]
     sees: str
     #: The model with more than it was built with, where its roots are to be those of this.
-    base: StructuralModel | Joined | None = None
+    base: Joined | None = None
 
     def roots(self, parameters: Sequence[Parameter], high_hz: float, sees: Any = None) -> _core.Objective:
         """The core's objective of the responses, for its roots up to ``high_hz`` (and none of its values)."""
         parts = [(dof, self.force, np.array([high_hz / _MARGIN]), sees, 0) for dof in self.sensors]
         core = self.model.description.core_parameters(parameters)
-        return antiresonance_objective(self.base or self.model, core, parts, "squared", None, 0.0, None)
+        built: Any = self.base or self.model
+        return antiresonance_objective(built, core, parts, "squared", None, 0.0, None)
 
     def inside(self, roots: Roots) -> BoolArray:
         """Which roots lie in the band."""
@@ -184,7 +185,7 @@ class Information:
     @property
     def n_candidates(self) -> int:
         """How many may get a sensor."""
-        return self.own.shape[0]
+        return len(self.own)
 
     @cached_property
     def _full(self) -> FloatArray:
