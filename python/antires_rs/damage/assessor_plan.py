@@ -86,7 +86,9 @@ class Tables:
     beside: FloatArray  # how far that is from the model's
     by_own: FloatArray  # its slope by u of the element
     slopes: Single  # of ln f by all u, (n, l, r, n)
-    errors: Single  # what multiplies q independent errors of the model, of variance 1, (n, l, r, q)
+    #: What multiplies q independent errors of the model, of variance 1: of elements, and of the cracks behind
+    #: them that were computed, (n + c, l, r, q).
+    errors: Single
 
 
 def tables_of(prepared: Prepared, question: Question) -> Tables:
@@ -128,20 +130,29 @@ def tables_of(prepared: Prepared, question: Question) -> Tables:
         always = there[e].all(axis=0)
         by_own[e][:, always] += _along_levels(beside[e][:, always])
 
-    def slots(roots: Roots) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        return _slots(identity_of, response, *roots.since(intact), low, high)
-
-    whole = there, log_f + beside, beside, by_own
-    there, place, beside, by_own = _with_cracks(prepared, question, slots, whole)
     # The same products of rows in fewer columns.
     flat = rows.reshape(-1, n_errors)
     sizes, vectors = np.linalg.eigh(flat.T @ flat)
-    dropped = np.cumsum(np.maximum(sizes, 0.0)) / len(flat) < _DROPPED
-    errors = np.asarray(flat @ vectors[:, ~dropped], dtype=np.float32)
+    kept = vectors[:, ~(np.cumsum(np.maximum(sizes, 0.0)) / len(flat) < _DROPPED)]
+    errors = np.asarray(flat @ kept, dtype=np.float32).reshape(*shape, -1)
+    count = likelihood.factors.size
+    own = np.vstack([factor[count:] @ kept[: factor.shape[1]], np.zeros(kept.shape[1])])
+    by_factors = factor[:count] @ kept[: factor.shape[1]] + ambient @ kept[factor.shape[1] :]
+
+    def placed(roots: Roots, by_theta: FloatArray) -> tuple[Any, ...]:
+        """Places in the tables, numbers of the roots there, how far they lie beside the model's, errors."""
+        roots, identity = roots.since(intact)
+        slot, root = _slots(identity_of, response, roots, identity, low, high)
+        by_theta, identity = by_theta[root] * likelihood.factors, identity[root]
+        beside = rows_of(by_theta, identity, intact) @ error.mean
+        return slot, root, beside, by_theta @ by_factors + own[identity]
+
+    whole = there, log_f + beside, beside, by_own, errors
+    there, place, beside, by_own, errors = _with_cracks(prepared, question, placed, whole)
     was = identity_of >= 0
     return Tables(
         response, was & error.seen[identity_of], identity_of, np.where(was, intact.log_f[identity_of], 0.0),
-        there, place, beside, by_own, slopes, errors.reshape(*shape, -1),
+        there, place, beside, by_own, slopes, errors,
     )  # fmt: skip
 
 
@@ -154,6 +165,7 @@ def _along_levels(values: FloatArray) -> FloatArray:
 
 #: Places of cracks in the tables; every other one, but for the ends, is computed, the rest is between these.
 _SHARES = np.linspace(0.0, 1.0, 2 * len(PLACES) + 1)
+_NEAREST = np.clip((np.arange(_SHARES.size) - 1) // 2, 0, len(PLACES) - 1)  # computed one of each
 
 
 def cracks_of(prepared: Prepared, question: Question) -> list[list[Shape]]:
@@ -168,46 +180,43 @@ def cracks_of(prepared: Prepared, question: Question) -> list[list[Shape]]:
 def _with_cracks(
     prepared: Prepared,
     question: Question,
-    slots: Callable[[Roots], tuple[NDArray[np.intp], NDArray[np.intp]]],
-    tables: tuple[NDArray[np.bool_], FloatArray, FloatArray, FloatArray],
+    placed: Callable[[Roots, FloatArray], tuple[Any, ...]],
+    tables: tuple[NDArray[np.bool_], FloatArray, FloatArray, FloatArray, Single],
 ) -> list[Any]:
-    """Tables of what is there, places, how far beside the model's, and slopes, with rows of cracks behind
-    those of elements; roots lie beside the model's as where the whole element is as flexible."""
+    """Tables of what is there, places, how far beside the model's, slopes, and errors, with rows of cracks
+    behind those of elements; errors of those that are computed."""
     from scipy.interpolate import BarycentricInterpolator
 
     parameters, found = question.model.description.core_parameters, [[each] for each in tables]
-    factors = parameters(prepared.factors), prepared.likelihood.factors
-    base = Joined(prepared.base.n_dof, prepared.base._core.at(*factors))
+    likelihood, base = prepared.likelihood, prepared.base
     responses: Any = prepared.responses
     loss = -np.expm1(-LEVELS)
     for cracks in cracks_of(prepared, question):
         step(f"cracks of element {cracks[0].element}")
         own = cracks[1::2]
-        source = responses.source(joined(base, own), parameters(parameters_of(base, own)), silent=True)
-        beside = tables[2][prepared.numbers.index(cracks[0].element)]
-        there = np.zeros((len(own), *beside.shape), dtype=bool)
-        place, by_own = np.zeros(there.shape), np.zeros(there.shape)
+        every = parameters((*parameters_of(base, own), *prepared.factors))
+        source = responses.source(joined(base, own), every, silent=True)
+        there = np.zeros((len(own), *tables[0].shape[1:]), dtype=bool)
+        place, beside, by_own = np.zeros((3, *there.shape))
+        errors = np.zeros((*there.shape, tables[4].shape[3]), dtype=np.float32)
         for nth, shape in enumerate(own):
-            x = np.zeros((LEVELS.size, len(own)))
-            x[:, nth] = shape.amount(loss)
+            x = np.zeros((LEVELS.size, len(every)))
+            x[:, nth], x[:, len(own) :] = shape.amount(loss), likelihood.factors
             by_u = (1.0 - loss) * shape.size / (loss + (1.0 - loss) * shape.size) ** 2
-            every = roots_at(source, x, slopes=True, threads=prepared.likelihood.threads)
-            for level, roots in enumerate(every):
-                slot, root = slots(roots)
+            for level, roots in enumerate(roots_at(source, x, slopes=True, threads=likelihood.threads)):
+                slot, root, *rest = placed(roots, roots.slopes[:, len(own) :])
                 there[nth, level, slot] = True
-                place[nth, level, slot] = roots.log_f[root]
+                beside[nth, level, slot], errors[nth, level, slot] = rest
+                place[nth, level, slot] = roots.log_f[root] + rest[0]
                 by_own[nth, level, slot] = roots.slopes[root, nth] * by_u[level]
-        nearest = np.clip((np.arange(_SHARES.size) - 1) // 2, 0, len(own) - 1)
-        rows = [place[nearest], by_own[nearest]]
+            always = there[nth].all(axis=0)
+            by_own[nth][:, always] += _along_levels(beside[nth][:, always])
         smooth = there.all(axis=0)
-        for row, each in zip(rows, (place, by_own), strict=True):
-            row[:, smooth] = BarycentricInterpolator(PLACES, each[:, smooth])(_SHARES)
-        there, always = there[nearest], there.all(axis=(0, 1))
-        rows[1][:, :, always] += _along_levels(beside[:, always])
-        for table, one in zip(
-            found, (there, rows[0] + beside, np.broadcast_to(beside, there.shape), rows[1]), strict=True
-        ):
-            table.append(one)
+        for table, each in zip(found, (there, place, beside, by_own), strict=False):
+            table.append(each[_NEAREST])
+            if each is not there:
+                table[-1][:, smooth] = BarycentricInterpolator(PLACES, each[:, smooth])(_SHARES)
+        found[4].append(errors)
     return [np.concatenate(each) for each in found]
 
 
@@ -348,7 +357,7 @@ class Plan:
         return _core.PreparedTables(
             c(LEVELS), c(t.response), c(t.seen), c(t.identity >= 0), c(t.intact), c(t.there), c(t.place),
             c(t.beside), c(t.by_own), c(t.slopes), c(np.moveaxis(t.slopes, 3, 0)), c(t.errors),
-            undamaged @ undamaged.T, np.array(self.hosts, dtype=np.intp), self.learned.tau**2,
+            undamaged @ undamaged.T, np.array(self.hosts, dtype=np.intp), self.errors_of, self.learned.tau**2,
         )  # fmt: skip
 
     @cached_property
@@ -358,9 +367,22 @@ class Plan:
         return cracks_of(self.prepared, self.question) if asked else []
 
     @cached_property
+    def losing(self) -> list[Shape]:
+        """The same, with losses of the whole element as amounts."""
+        return [replace(shape, size=1.0) for own in self.cracks for shape in own]
+
+    @cached_property
     def hosts(self) -> list[int]:
         """The element of each."""
         return [self.question.numbers.index(shape.element) for own in self.cracks for shape in own]
+
+    @property
+    def errors_of(self) -> NDArray[np.intp]:
+        """Rows of errors of each: those of the nearest that was computed; in older files of its element."""
+        n = len(self.question.numbers)
+        if len(self.tables.errors) == n:
+            return np.array(self.hosts, dtype=np.intp)
+        return np.concatenate([n + nth * len(PLACES) + _NEAREST for nth, _ in enumerate(self.cracks)])
 
     @cached_property
     def alike(self) -> list[list[tuple[int, float]]]:
@@ -562,12 +584,9 @@ class QuickSearch(Search):
         view = likelihood._view(beta, test.look(list(best.elements), best.u.tolist()))
         # At all other places it explains next to nothing.
         rest = replace(best, log_evidence=best.log_evidence - _CRACK_HOPELESS)
-        every = {
-            c: replace(fits.get(c, rest), view=view)
-            for c in {*fits, *(first + k for k in range(1, len(shapes), 2))}
-        }
-        places = [(replace(shapes[c - first], size=1.0), fit) for c, fit in every.items()]
-        total, reach, losses = Crack(places).over_places()
+        every = {*fits, *(first + k for k in range(1, len(shapes), 2))}
+        losing = likelihood.plan.losing[first - likelihood.n :]
+        total, reach, losses = Crack([(losing[c - first], fits.get(c, rest)) for c in every]).over_places()
         rows = [(float(each),) for each in losses]
         told = shapes[best.elements[0] - first].told(reach)
         known = self.shaped.cracked.get(s)
