@@ -23,7 +23,6 @@ from ..updating.targets import Series, sorted_out, usual_damping, zeros_beside
 from .inference import (
     BLIND,
     FURTHEST,
-    HARDLY,
     HIGHEST,
     LARGEST,
     LINEAR,
@@ -57,7 +56,7 @@ from .measured_states import (
     values_of,
 )
 from .shape_search import Crack
-from .shapes import CRACKED, PLACES, Joined, Shape, Shaped, joined, parameters_of
+from .shapes import CRACKED, PLACES, Shape, Shaped, joined, parameters_of
 
 # -- The model's antiresonances over the severity of each element, computed once
 
@@ -190,8 +189,10 @@ def _with_cracks(
     parameters, found = question.model.description.core_parameters, [[each] for each in tables]
     likelihood, base = prepared.likelihood, prepared.base
     responses: Any = prepared.responses
-    loss = -np.expm1(-LEVELS)
-    for cracks in cracks_of(prepared, question):
+    loss, candidates = -np.expm1(-LEVELS), cracks_of(prepared, question)
+    # Where there is no room for errors of their own those of the whole element stand in.
+    roomy = tables[4].nbytes * (1.0 + len(candidates) * len(PLACES) / len(tables[4])) < _MOST_BYTES
+    for cracks in candidates:
         step(f"cracks of element {cracks[0].element}")
         own = cracks[1::2]
         every = parameters((*parameters_of(base, own), *prepared.factors))
@@ -216,7 +217,7 @@ def _with_cracks(
             table.append(each[_NEAREST])
             if each is not there:
                 table[-1][:, smooth] = BarycentricInterpolator(PLACES, each[:, smooth])(_SHARES)
-        found[4].append(errors)
+        found[4] += [errors] * roomy
     return [np.concatenate(each) for each in found]
 
 
@@ -378,7 +379,7 @@ class Plan:
 
     @property
     def errors_of(self) -> NDArray[np.intp]:
-        """Rows of errors of each: those of the nearest that was computed; in older files of its element."""
+        """Rows of errors of each: of the nearest that was computed, or of its element where none was."""
         n = len(self.question.numbers)
         if len(self.tables.errors) == n:
             return np.array(self.hosts, dtype=np.intp)
@@ -702,7 +703,7 @@ class QuickSearch(Search):
         fit, rough = self.fits.get(elements), self.rough.get(elements)
         if rough and (fit is None or rough[0] > fit.log_evidence):
             return rough[1]
-        return _within(self.fits[elements])
+        return _within(self.fits[elements].beta)
 
     def _refine(self, chosen: dict[Elements, FloatArray]) -> None:
         """See those that may be the most probable ones, the likeliest first."""
@@ -762,7 +763,8 @@ class QuickSearch(Search):
         """Judge a set from its own severities, as the full run does."""
         u, before = self._u(elements), self.looks
         for _ in range(_LOOKS):
-            if elements in self.judged and np.abs(u - _seen_from(self.fits[elements])).max() <= rests:
+            seen = self.fits[elements].view.beta[list(elements)] if elements in self.judged else u
+            if elements in self.judged and np.abs(u - _within(seen)).max() <= rests:
                 break
             (view,) = self.likelihood.views(self.likelihood.rows(elements, -np.expm1(-u)[None]))
             self.looks += 1
@@ -794,21 +796,15 @@ class QuickSearch(Search):
             if tuple(elements) not in self.fits:
                 self.grown[tuple(elements)] = seen[4], np.array(seen[1])
 
-    def _smaller(self) -> None:
+    def _judge_smaller(self, starts: dict[Elements, FloatArray]) -> None:
         """See the base class; only those that are new."""
-        smaller: dict[Elements, FloatArray] = {}
-        for elements in self._near():
-            fit = self.fits[elements]
-            there = fit.beta >= HARDLY
-            kept = tuple(e for e, has in zip(elements, there, strict=True) if has)
-            if kept and kept not in self.fits and kept not in self.rough:
-                smaller[kept] = _within(fit)[there]
-        self._refine(smaller)
+        new = {s: _within(row[list(s)]) for s, row in starts.items() if s not in self.fits}
+        self._refine({s: u for s, u in new.items() if s not in self.rough})
 
     def _renew(self) -> None:
         """Judge the likeliest sets anew, until none that was not may be the answer."""
         new = [s for s in self._near() if s not in self.judged and s not in self.rough][:_LINEAR]
-        linear = {s: _within(self.fits[s]) for s in new}
+        linear = {s: _within(self.fits[s].beta) for s in new}
         self._tabulate(linear, looks=1)
         for size in {len(s) for s in self._open(LARGEST, _NEAR, set())} - {1}:
             self._exchange(size)
@@ -847,11 +843,6 @@ def _with(own: list[tuple[int, float]], further: int, level: int) -> tuple[Eleme
     return tuple(e for e, _ in joined), level, [u for _, u in joined]
 
 
-def _within(fit: Fit) -> FloatArray:
-    """Most probable severities of a set (u), within their bounds."""
-    return np.asarray(-np.log1p(-np.minimum(fit.beta, HIGHEST)))
-
-
-def _seen_from(fit: Fit) -> FloatArray:
-    """The severities (u) from which a set was judged."""
-    return np.asarray(-np.log1p(-fit.view.beta[list(fit.elements)]))
+def _within(beta: FloatArray) -> FloatArray:
+    """The same severities as u, within their bounds."""
+    return np.asarray(-np.log1p(-np.minimum(beta, HIGHEST)))

@@ -91,7 +91,7 @@ impl<'a> Tables<'a> {
     /// Whether all arrays have their lengths, and levels rise from 0.
     pub fn consistent(&self) -> bool {
         let (r, levels) = (self.size(), self.levels.len());
-        let cells = self.n * levels * r;
+        let (cells, rows) = (self.n * levels * r, self.errors.len() / (levels * r * self.q).max(1));
         let all = (self.n + self.host.len()) * levels * r;
         levels > 1
             && self.n > 0
@@ -99,9 +99,9 @@ impl<'a> Tables<'a> {
             && self.levels.is_sorted()
             && self.response.is_sorted()
             && [self.seen.len(), self.old.len(), self.intact.len()] == [r; 3]
-            && self.host.iter().all(|&e| (0..self.n as i64).contains(&e))
+            && self.host.iter().all(|e| (0..self.n as i64).contains(e))
             && self.errors_of.len() == self.host.len()
-            && self.errors_of.iter().all(|&row| row >= 0 && self.at(row as usize + 1, 0) * self.q <= self.errors.len())
+            && self.errors_of.iter().all(|row| (0..rows as i64).contains(row))
             && [self.there.len(), self.place.len(), self.beside.len(), self.by_own.len()] == [all; 4]
             && [self.slopes.len(), self.crossed.len()] == [cells * self.n; 2]
             && self.errors.len() >= cells * self.q
@@ -280,12 +280,6 @@ impl Places {
         };
         let each: Vec<One> = elements.iter().zip(u).map(|(&e, &x)| one(t, e, x)).collect();
         found.between = each.iter().map(|one| one.between).collect();
-        if let [only] = each.as_slice() {
-            found.there.clone_from(&only.there);
-            found.place.clone_from(&only.place);
-            found.beside.clone_from(&only.beside);
-            return found;
-        }
         for k in 0..size {
             for one in &each {
                 found.place[k] += one.place[k] - t.place[k];
