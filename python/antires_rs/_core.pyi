@@ -121,7 +121,7 @@ class PreparedTables:
         cls, levels: _Floats, response: NDArray[np.intp], seen: NDArray[np.bool_], old: NDArray[np.bool_],
         intact: _Floats, there: NDArray[np.bool_], place: _Floats, beside: _Floats, by_own: _Floats,
         slopes: NDArray[np.float32], crossed: NDArray[np.float32], errors: NDArray[np.float32],
-        spread: _Floats, host: NDArray[np.intp], new_variance: float
+        spread: _Floats, host: NDArray[np.intp], errors_of: NDArray[np.intp], new_variance: float
     ) -> PreparedTables: ...
 
 @final

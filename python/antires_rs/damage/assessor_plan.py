@@ -23,7 +23,6 @@ from ..updating.targets import Series, sorted_out, usual_damping, zeros_beside
 from .inference import (
     BLIND,
     FURTHEST,
-    HARDLY,
     HIGHEST,
     LARGEST,
     LINEAR,
@@ -57,7 +56,7 @@ from .measured_states import (
     values_of,
 )
 from .shape_search import Crack
-from .shapes import CRACKED, PLACES, Joined, Shape, Shaped, joined, parameters_of
+from .shapes import CRACKED, PLACES, Shape, Shaped, joined, parameters_of
 
 # -- The model's antiresonances over the severity of each element, computed once
 
@@ -86,7 +85,9 @@ class Tables:
     beside: FloatArray  # how far that is from the model's
     by_own: FloatArray  # its slope by u of the element
     slopes: Single  # of ln f by all u, (n, l, r, n)
-    errors: Single  # what multiplies q independent errors of the model, of variance 1, (n, l, r, q)
+    #: What multiplies q independent errors of the model, of variance 1: of elements, and of the cracks behind
+    #: them that were computed, (n + c, l, r, q).
+    errors: Single
 
 
 def tables_of(prepared: Prepared, question: Question) -> Tables:
@@ -128,20 +129,29 @@ def tables_of(prepared: Prepared, question: Question) -> Tables:
         always = there[e].all(axis=0)
         by_own[e][:, always] += _along_levels(beside[e][:, always])
 
-    def slots(roots: Roots) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        return _slots(identity_of, response, *roots.since(intact), low, high)
-
-    whole = there, log_f + beside, beside, by_own
-    there, place, beside, by_own = _with_cracks(prepared, question, slots, whole)
     # The same products of rows in fewer columns.
     flat = rows.reshape(-1, n_errors)
     sizes, vectors = np.linalg.eigh(flat.T @ flat)
-    dropped = np.cumsum(np.maximum(sizes, 0.0)) / len(flat) < _DROPPED
-    errors = np.asarray(flat @ vectors[:, ~dropped], dtype=np.float32)
+    kept = vectors[:, ~(np.cumsum(np.maximum(sizes, 0.0)) / len(flat) < _DROPPED)]
+    errors = np.asarray(flat @ kept, dtype=np.float32).reshape(*shape, -1)
+    count = likelihood.factors.size
+    own = np.vstack([factor[count:] @ kept[: factor.shape[1]], np.zeros(kept.shape[1])])
+    by_factors = factor[:count] @ kept[: factor.shape[1]] + ambient @ kept[factor.shape[1] :]
+
+    def placed(roots: Roots, by_theta: FloatArray) -> tuple[Any, ...]:
+        """Places in the tables, numbers of the roots there, how far they lie beside the model's, errors."""
+        roots, identity = roots.since(intact)
+        slot, root = _slots(identity_of, response, roots, identity, low, high)
+        by_theta, identity = by_theta[root] * likelihood.factors, identity[root]
+        beside = rows_of(by_theta, identity, intact) @ error.mean
+        return slot, root, beside, by_theta @ by_factors + own[identity]
+
+    whole = there, log_f + beside, beside, by_own, errors
+    there, place, beside, by_own, errors = _with_cracks(prepared, question, placed, whole)
     was = identity_of >= 0
     return Tables(
         response, was & error.seen[identity_of], identity_of, np.where(was, intact.log_f[identity_of], 0.0),
-        there, place, beside, by_own, slopes, errors.reshape(*shape, -1),
+        there, place, beside, by_own, slopes, errors,
     )  # fmt: skip
 
 
@@ -154,6 +164,7 @@ def _along_levels(values: FloatArray) -> FloatArray:
 
 #: Places of cracks in the tables; every other one, but for the ends, is computed, the rest is between these.
 _SHARES = np.linspace(0.0, 1.0, 2 * len(PLACES) + 1)
+_NEAREST = np.clip((np.arange(_SHARES.size) - 1) // 2, 0, len(PLACES) - 1)  # computed one of each
 
 
 def cracks_of(prepared: Prepared, question: Question) -> list[list[Shape]]:
@@ -168,46 +179,45 @@ def cracks_of(prepared: Prepared, question: Question) -> list[list[Shape]]:
 def _with_cracks(
     prepared: Prepared,
     question: Question,
-    slots: Callable[[Roots], tuple[NDArray[np.intp], NDArray[np.intp]]],
-    tables: tuple[NDArray[np.bool_], FloatArray, FloatArray, FloatArray],
+    placed: Callable[[Roots, FloatArray], tuple[Any, ...]],
+    tables: tuple[NDArray[np.bool_], FloatArray, FloatArray, FloatArray, Single],
 ) -> list[Any]:
-    """Tables of what is there, places, how far beside the model's, and slopes, with rows of cracks behind
-    those of elements; roots lie beside the model's as where the whole element is as flexible."""
+    """Tables of what is there, places, how far beside the model's, slopes, and errors, with rows of cracks
+    behind those of elements; errors of those that are computed."""
     from scipy.interpolate import BarycentricInterpolator
 
     parameters, found = question.model.description.core_parameters, [[each] for each in tables]
-    factors = parameters(prepared.factors), prepared.likelihood.factors
-    base = Joined(prepared.base.n_dof, prepared.base._core.at(*factors))
+    likelihood, base = prepared.likelihood, prepared.base
     responses: Any = prepared.responses
-    loss = -np.expm1(-LEVELS)
-    for cracks in cracks_of(prepared, question):
+    loss, candidates = -np.expm1(-LEVELS), cracks_of(prepared, question)
+    # Where there is no room for errors of their own those of the whole element stand in.
+    roomy = tables[4].nbytes * (1.0 + len(candidates) * len(PLACES) / len(tables[4])) < _MOST_BYTES
+    for cracks in candidates:
         step(f"cracks of element {cracks[0].element}")
         own = cracks[1::2]
-        source = responses.source(joined(base, own), parameters(parameters_of(base, own)), silent=True)
-        beside = tables[2][prepared.numbers.index(cracks[0].element)]
-        there = np.zeros((len(own), *beside.shape), dtype=bool)
-        place, by_own = np.zeros(there.shape), np.zeros(there.shape)
+        every = parameters((*parameters_of(base, own), *prepared.factors))
+        source = responses.source(joined(base, own), every, silent=True)
+        there = np.zeros((len(own), *tables[0].shape[1:]), dtype=bool)
+        place, beside, by_own = np.zeros((3, *there.shape))
+        errors = np.zeros((*there.shape, tables[4].shape[3]), dtype=np.float32)
         for nth, shape in enumerate(own):
-            x = np.zeros((LEVELS.size, len(own)))
-            x[:, nth] = shape.amount(loss)
+            x = np.zeros((LEVELS.size, len(every)))
+            x[:, nth], x[:, len(own) :] = shape.amount(loss), likelihood.factors
             by_u = (1.0 - loss) * shape.size / (loss + (1.0 - loss) * shape.size) ** 2
-            every = roots_at(source, x, slopes=True, threads=prepared.likelihood.threads)
-            for level, roots in enumerate(every):
-                slot, root = slots(roots)
+            for level, roots in enumerate(roots_at(source, x, slopes=True, threads=likelihood.threads)):
+                slot, root, *rest = placed(roots, roots.slopes[:, len(own) :])
                 there[nth, level, slot] = True
-                place[nth, level, slot] = roots.log_f[root]
+                beside[nth, level, slot], errors[nth, level, slot] = rest
+                place[nth, level, slot] = roots.log_f[root] + rest[0]
                 by_own[nth, level, slot] = roots.slopes[root, nth] * by_u[level]
-        nearest = np.clip((np.arange(_SHARES.size) - 1) // 2, 0, len(own) - 1)
-        rows = [place[nearest], by_own[nearest]]
+            always = there[nth].all(axis=0)
+            by_own[nth][:, always] += _along_levels(beside[nth][:, always])
         smooth = there.all(axis=0)
-        for row, each in zip(rows, (place, by_own), strict=True):
-            row[:, smooth] = BarycentricInterpolator(PLACES, each[:, smooth])(_SHARES)
-        there, always = there[nearest], there.all(axis=(0, 1))
-        rows[1][:, :, always] += _along_levels(beside[:, always])
-        for table, one in zip(
-            found, (there, rows[0] + beside, np.broadcast_to(beside, there.shape), rows[1]), strict=True
-        ):
-            table.append(one)
+        for table, each in zip(found, (there, place, beside, by_own), strict=False):
+            table.append(each[_NEAREST])
+            if each is not there:
+                table[-1][:, smooth] = BarycentricInterpolator(PLACES, each[:, smooth])(_SHARES)
+        found[4] += [errors] * roomy
     return [np.concatenate(each) for each in found]
 
 
@@ -348,7 +358,7 @@ class Plan:
         return _core.PreparedTables(
             c(LEVELS), c(t.response), c(t.seen), c(t.identity >= 0), c(t.intact), c(t.there), c(t.place),
             c(t.beside), c(t.by_own), c(t.slopes), c(np.moveaxis(t.slopes, 3, 0)), c(t.errors),
-            undamaged @ undamaged.T, np.array(self.hosts, dtype=np.intp), self.learned.tau**2,
+            undamaged @ undamaged.T, np.array(self.hosts, dtype=np.intp), self.errors_of, self.learned.tau**2,
         )  # fmt: skip
 
     @cached_property
@@ -358,9 +368,22 @@ class Plan:
         return cracks_of(self.prepared, self.question) if asked else []
 
     @cached_property
+    def losing(self) -> list[Shape]:
+        """The same, with losses of the whole element as amounts."""
+        return [replace(shape, size=1.0) for own in self.cracks for shape in own]
+
+    @cached_property
     def hosts(self) -> list[int]:
         """The element of each."""
         return [self.question.numbers.index(shape.element) for own in self.cracks for shape in own]
+
+    @property
+    def errors_of(self) -> NDArray[np.intp]:
+        """Rows of errors of each: of the nearest that was computed, or of its element where none was."""
+        n = len(self.question.numbers)
+        if len(self.tables.errors) == n:
+            return np.array(self.hosts, dtype=np.intp)
+        return np.concatenate([n + nth * len(PLACES) + _NEAREST for nth, _ in enumerate(self.cracks)])
 
     @cached_property
     def alike(self) -> list[list[tuple[int, float]]]:
@@ -562,12 +585,9 @@ class QuickSearch(Search):
         view = likelihood._view(beta, test.look(list(best.elements), best.u.tolist()))
         # At all other places it explains next to nothing.
         rest = replace(best, log_evidence=best.log_evidence - _CRACK_HOPELESS)
-        every = {
-            c: replace(fits.get(c, rest), view=view)
-            for c in {*fits, *(first + k for k in range(1, len(shapes), 2))}
-        }
-        places = [(replace(shapes[c - first], size=1.0), fit) for c, fit in every.items()]
-        total, reach, losses = Crack(places).over_places()
+        every = {*fits, *(first + k for k in range(1, len(shapes), 2))}
+        losing = likelihood.plan.losing[first - likelihood.n :]
+        total, reach, losses = Crack([(losing[c - first], fits.get(c, rest)) for c in every]).over_places()
         rows = [(float(each),) for each in losses]
         told = shapes[best.elements[0] - first].told(reach)
         known = self.shaped.cracked.get(s)
@@ -683,7 +703,7 @@ class QuickSearch(Search):
         fit, rough = self.fits.get(elements), self.rough.get(elements)
         if rough and (fit is None or rough[0] > fit.log_evidence):
             return rough[1]
-        return _within(self.fits[elements])
+        return _within(self.fits[elements].beta)
 
     def _refine(self, chosen: dict[Elements, FloatArray]) -> None:
         """See those that may be the most probable ones, the likeliest first."""
@@ -743,7 +763,8 @@ class QuickSearch(Search):
         """Judge a set from its own severities, as the full run does."""
         u, before = self._u(elements), self.looks
         for _ in range(_LOOKS):
-            if elements in self.judged and np.abs(u - _seen_from(self.fits[elements])).max() <= rests:
+            seen = self.fits[elements].view.beta[list(elements)] if elements in self.judged else u
+            if elements in self.judged and np.abs(u - _within(seen)).max() <= rests:
                 break
             (view,) = self.likelihood.views(self.likelihood.rows(elements, -np.expm1(-u)[None]))
             self.looks += 1
@@ -775,21 +796,15 @@ class QuickSearch(Search):
             if tuple(elements) not in self.fits:
                 self.grown[tuple(elements)] = seen[4], np.array(seen[1])
 
-    def _smaller(self) -> None:
+    def _judge_smaller(self, starts: dict[Elements, FloatArray]) -> None:
         """See the base class; only those that are new."""
-        smaller: dict[Elements, FloatArray] = {}
-        for elements in self._near():
-            fit = self.fits[elements]
-            there = fit.beta >= HARDLY
-            kept = tuple(e for e, has in zip(elements, there, strict=True) if has)
-            if kept and kept not in self.fits and kept not in self.rough:
-                smaller[kept] = _within(fit)[there]
-        self._refine(smaller)
+        new = {s: _within(row[list(s)]) for s, row in starts.items() if s not in self.fits}
+        self._refine({s: u for s, u in new.items() if s not in self.rough})
 
     def _renew(self) -> None:
         """Judge the likeliest sets anew, until none that was not may be the answer."""
         new = [s for s in self._near() if s not in self.judged and s not in self.rough][:_LINEAR]
-        linear = {s: _within(self.fits[s]) for s in new}
+        linear = {s: _within(self.fits[s].beta) for s in new}
         self._tabulate(linear, looks=1)
         for size in {len(s) for s in self._open(LARGEST, _NEAR, set())} - {1}:
             self._exchange(size)
@@ -828,11 +843,6 @@ def _with(own: list[tuple[int, float]], further: int, level: int) -> tuple[Eleme
     return tuple(e for e, _ in joined), level, [u for _, u in joined]
 
 
-def _within(fit: Fit) -> FloatArray:
-    """Most probable severities of a set (u), within their bounds."""
-    return np.asarray(-np.log1p(-np.minimum(fit.beta, HIGHEST)))
-
-
-def _seen_from(fit: Fit) -> FloatArray:
-    """The severities (u) from which a set was judged."""
-    return np.asarray(-np.log1p(-fit.view.beta[list(fit.elements)]))
+def _within(beta: FloatArray) -> FloatArray:
+    """The same severities as u, within their bounds."""
+    return np.asarray(-np.log1p(-np.minimum(beta, HIGHEST)))

@@ -270,7 +270,7 @@ _MOSTLY = 0.5  # share of what errors as they are stated do not explain, above w
 _TOO_MUCH = 3.0  # chi-square so many standard deviations above what is expected is too much
 #: Sets so near to the likeliest (log evidence), and so many of them, are judged from their own severities.
 _NEAR, _RENEWED = 12.0, 24
-HARDLY = 0.02  # severity below which an element of a set may as well be undamaged
+_HARDLY = 0.02  # severity below which an element of a set may as well be undamaged
 #: About so many points of a scan of pairs; where even so there are too many, pairs of so many elements.
 _SCANNED, _ALONE = 4000, 40
 _WIDER = 2.0  # multiple of the stated errors up to which a damage explains the values
@@ -347,13 +347,17 @@ class Search:
         starts: dict[Elements, FloatArray] = {}
         for elements in self._near():
             severities = dict(zip(elements, self.fits[elements].beta, strict=True))
-            kept = tuple(e for e in elements if severities[e] >= HARDLY)
+            kept = tuple(e for e in elements if severities[e] >= _HARDLY)
             if kept and kept != elements:
                 starts[kept] = self._row(kept, [severities[e] for e in kept])
         if starts:
-            views = self.likelihood.views(np.array(list(starts.values())))
-            for elements, view in zip(starts, views, strict=True):
-                self._judge(elements, view)
+            self._judge_smaller(starts)
+
+    def _judge_smaller(self, starts: dict[Elements, FloatArray]) -> None:
+        """Judge sets from these severities of all elements (n,)."""
+        views = self.likelihood.views(np.array(list(starts.values())))
+        for elements, view in zip(starts, views, strict=True):
+            self._judge(elements, view)
 
     def _near(self) -> list[Elements]:
         """The most probable sets, the first first."""

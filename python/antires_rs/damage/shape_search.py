@@ -26,7 +26,7 @@ from .inference import (
     stepped,
     too_much,
 )
-from .likelihood import Likelihood, Prepared, Question, View
+from .likelihood import Likelihood, Prepared, Question
 from .measured_states import Responses, Values, roots_at
 from .shapes import Found, Shape, Shaped, Structure, joined, parameters_of
 
@@ -203,36 +203,26 @@ def _refined(
     else:
         betas = starts
     fits: dict[Elements, Fit] = {}
-    climbs = [Climb(s) for s in sets]
-    for nth, extra in enumerate((*errors, 0.0)):
+    climbs, top = [Climb(s) for s in sets], -np.inf
+    for nth, extra in enumerate((*errors, *[0.0] * (1 + _FURTHER))):
         views = likelihood.views(betas, extra)
-        logs = np.array([view.log_likelihood for view in views])
-        behind = np.argsort(-logs, kind="stable")[_KEPT:]
-        lost = {n for n in behind if 1 < nth < len(errors) and logs[n] <= logs.max() - _HOPELESS}
-        kept = [n for n, climb in enumerate(climbs) if len(climb.elements) == 1 or n not in lost]
-        climbs, views = [climbs[n] for n in kept], [views[n] for n in kept]
-        if not extra:
-            _see(climbs, views, fits)
+        for climb, view in [] if extra else zip(climbs, views, strict=True):
+            climb.sees(view)
+            for fit in fitted(view, [climb.elements]):
+                if climb.elements not in fits or fit.log_evidence > fits[climb.elements].log_evidence:
+                    fits[climb.elements] = fit
         ahead = [stepped(c.elements, v) if extra else c.ahead() for c, v in zip(climbs, views, strict=True)]
-        betas = np.array(ahead)
-    top = max(climb.height for climb in climbs)
-    for nth in range(1 + _FURTHER):
-        climbs = [c for c in climbs if c.elements not in fits and c.height > top - _HOPELESS]
-        if not climbs or nth == _FURTHER:
+        if nth < len(errors):
+            logs = [view.log_likelihood for view in views]
+            least = min(max(logs) - _HOPELESS, sorted(logs)[-_KEPT:][0]) if nth > 1 else -np.inf
+            kept = [len(c.elements) == 1 or log >= least for c, log in zip(climbs, logs, strict=True)]
+        else:  # those that have not come to rest
+            top = max([top, *(climb.height for climb in climbs)])
+            kept = [c.elements not in fits and c.height > top - _HOPELESS for c in climbs]
+        climbs, betas = [climbs[n] for n in np.flatnonzero(kept)], np.array(ahead)[kept]
+        if not climbs:
             break
-        _see(climbs, likelihood.views(np.array([climb.ahead() for climb in climbs])), fits)
-    fits |= {c.elements: refitted(c.view, c.elements, at_peak=True) for c in climbs if c.share < 1.0}
-    return fits
-
-
-def _see(climbs: Sequence[Climb], views: Sequence[View], fits: dict[Elements, Fit]) -> None:
-    """Take views, and judge sets that rest there."""
-    for climb, view in zip(climbs, views, strict=True):
-        climb.sees(view)
-        for fit in fitted(view, [climb.elements]):
-            known = fits.get(fit.elements)
-            if known is None or fit.log_evidence > known.log_evidence:
-                fits[fit.elements] = fit
+    return fits | {c.elements: refitted(c.view, c.elements, at_peak=True) for c in climbs if c.share < 1.0}
 
 
 class Crack(NamedTuple):

@@ -75,6 +75,7 @@ prepared_tables! {
     errors: PyArray4, PyReadonlyArray4, f32;
     spread: PyArray2, PyReadonlyArray2, f64;
     host: PyArray1, PyReadonlyArray1, i64;
+    errors_of: PyArray1, PyReadonlyArray1, i64;
 }
 
 /// Values of one test against tables.

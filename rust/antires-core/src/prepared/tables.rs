@@ -43,12 +43,14 @@ pub struct Tables<'a> {
     pub slopes: &'a [f32],
     /// (n, n, l, r) the same by the first, of the second.
     pub crossed: &'a [f32],
-    /// (n, l, r, q) what multiplies the errors of the model.
+    /// (n + c, l, r, q) what multiplies the errors of the model.
     pub errors: &'a [f32],
     /// (r, r) covariance of the roots without damage.
     pub spread: &'a [f64],
-    /// (k − n) the element of each crack, in whose place it stands where slopes and errors are asked for.
+    /// (k − n) the element of each crack, in whose place it stands where slopes are asked for.
     pub host: &'a [i64],
+    /// (k − n) the row of errors of each.
+    pub errors_of: &'a [i64],
     /// Variance of a root that has just appeared.
     pub new_variance: f64,
 }
@@ -82,13 +84,14 @@ impl<'a> Tables<'a> {
 
     /// One row of errors, (q,).
     pub fn error_row(&self, e: usize, level: usize, root: usize) -> &'a [f32] {
-        &self.errors[(self.at(self.host(e), level) + root) * self.q..][..self.q]
+        let row = if e < self.n { e } else { self.errors_of[e - self.n] as usize };
+        &self.errors[(self.at(row, level) + root) * self.q..][..self.q]
     }
 
     /// Whether all arrays have their lengths, and levels rise from 0.
     pub fn consistent(&self) -> bool {
         let (r, levels) = (self.size(), self.levels.len());
-        let cells = self.n * levels * r;
+        let (cells, rows) = (self.n * levels * r, self.errors.len() / (levels * r * self.q).max(1));
         let all = (self.n + self.host.len()) * levels * r;
         levels > 1
             && self.n > 0
@@ -96,10 +99,12 @@ impl<'a> Tables<'a> {
             && self.levels.is_sorted()
             && self.response.is_sorted()
             && [self.seen.len(), self.old.len(), self.intact.len()] == [r; 3]
-            && self.host.iter().all(|&e| e >= 0 && (e as usize) < self.n)
+            && self.host.iter().all(|e| (0..self.n as i64).contains(e))
+            && self.errors_of.len() == self.host.len()
+            && self.errors_of.iter().all(|row| (0..rows as i64).contains(row))
             && [self.there.len(), self.place.len(), self.beside.len(), self.by_own.len()] == [all; 4]
             && [self.slopes.len(), self.crossed.len()] == [cells * self.n; 2]
-            && self.errors.len() == cells * self.q
+            && self.errors.len() >= cells * self.q
             && self.spread.len() == r * r
     }
 }
@@ -275,12 +280,6 @@ impl Places {
         };
         let each: Vec<One> = elements.iter().zip(u).map(|(&e, &x)| one(t, e, x)).collect();
         found.between = each.iter().map(|one| one.between).collect();
-        if let [only] = each.as_slice() {
-            found.there.clone_from(&only.there);
-            found.place.clone_from(&only.place);
-            found.beside.clone_from(&only.beside);
-            return found;
-        }
         for k in 0..size {
             for one in &each {
                 found.place[k] += one.place[k] - t.place[k];
