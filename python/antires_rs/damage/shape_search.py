@@ -162,7 +162,7 @@ def _sensors(prepared: Prepared, model: StructuralModel) -> list[Shaped]:
     likelihood, responses = prepared.likelihood, prepared.responses
     assert isinstance(responses, Responses)
     now: Values = likelihood.now
-    ends = [[members(part[side]) for part in responses.parts] for side in (0, 1)]
+    ends = [[members(i) for i, *_ in responses.parts], [members(k) for _, k, *_ in responses.parts]]
     compared = np.unique(now.response).tolist()
     sides = [sorted({dof for nth in compared for dof in own[nth]}) for own in ends]
     moved_one = [(s, dof) for s, own in enumerate(sides) if len(own) >= _LEAST_SENSORS for dof in own]

@@ -29,12 +29,13 @@ use std::ops::Range;
 use super::receptance::{Receptance, ulps};
 use crate::error::{Error, Result};
 use crate::linalg::symmetric::SymmetricSolver;
+use crate::linalg::wide::{LANES, total};
 
 /// Most forces at a time.
 pub const MOST_FORCES: usize = 4;
 
-/// Rows of the largest bordered matrix: the forces and six modes of one eigenvalue.
-const BORDERED: usize = MOST_FORCES + 6;
+/// Rows of the largest bordered matrix: the forces and as many modes as are left.
+const BORDERED: usize = 2 * MOST_FORCES;
 
 /// Relative distance to which coinciding eigenvalues are spread.
 const SPREAD: f64 = 1e-7;
@@ -287,8 +288,10 @@ impl Small {
 pub struct Refined {
     /// Its place.
     pub x: f64,
-    /// Absolute uncertainty.
+    /// Absolute uncertainty, poles being exact.
     pub noise: f64,
+    /// How far it moves with the poles: 1 where left and right null vector are one.
+    pub condition: f64,
 }
 
 /// Eigenvalues that coincide.
@@ -329,6 +332,9 @@ pub struct MinorSeries {
     limit: f64,
     groups: Vec<Group>,
     is_open: bool,
+    /// t / (λ_n − λ_m) of row m, as spread, and the λ and σ that it was formed of: those of one set of forces.
+    gaps: Vec<f64>,
+    gaps_of: (Vec<f64>, Option<f64>),
 }
 
 impl MinorSeries {
@@ -526,10 +532,30 @@ impl MinorSeries {
             let error = ulps(self.n) * f64::EPSILON * size.form(&moduli(left), &moduli(right));
             let noise = error / along.abs() + 2.0 * f64::EPSILON * at;
             if step.abs() <= (SETTLED * at).max(noise) {
-                return Some(Refined { x: at, noise });
+                let condition = self.sizes(at, &modes, &null) / along.abs();
+                return Some(Refined { x: at, noise, condition });
             }
         }
         None
+    }
+
+    /// Product of the sizes of left and right null vector in coordinates of the modes.
+    fn sizes(&self, x: f64, bordered: &Range<usize>, null: &Null) -> f64 {
+        let (r, t) = (self.order, self.factor(x).0);
+        let (mut left, mut right) = (0.0, 0.0);
+        for (m, (psi, gamma)) in self.psi.iter().zip(&self.gamma).enumerate() {
+            let (z, y) = if bordered.contains(&m) {
+                let at = r + m - bordered.start;
+                (null.left[at] / t, null.right[at])
+            } else {
+                let along = |each: &Each, v: &[f64]| (0..r).map(|j| each[j] * v[j]).sum::<f64>();
+                let s = (self.lambda[m] - x).recip();
+                (along(psi, &null.left) * s, along(gamma, &null.right) * s * t)
+            };
+            left += z * z;
+            right += y * y;
+        }
+        (left * right).sqrt()
     }
 
     /// Factors of the columns of H at a root, of the modes that are bordered, and which those are: right, left. And
@@ -540,6 +566,20 @@ impl MinorSeries {
         let null = b.null();
         let along = if null.nullity > 1 { f64::NAN } else { slope.form(&null.left, &null.right) };
         (null, modes, along)
+    }
+
+    /// Forms the factors of the modes in G_m(λ_m), if they are not those of the last minor.
+    fn form_gaps(&mut self) {
+        if self.gaps_of.0 == self.spread && self.gaps_of.1 == self.sigma {
+            return;
+        }
+        self.gaps.clear();
+        for (m, &x) in self.spread.iter().enumerate() {
+            let t = self.factor(x).0;
+            let row = self.spread.iter().enumerate();
+            self.gaps.extend(row.map(|(n, &lambda)| if n == m { 0.0 } else { t / (lambda - x) }));
+        }
+        self.gaps_of = (self.spread.clone(), self.sigma);
     }
 
     /// Forms the partial fractions of the minor.
@@ -557,8 +597,20 @@ impl MinorSeries {
         }
         let (mut residues, mut errors) = (Vec::new(), Vec::new());
         let mut is_zero = true;
-        for m in 0..self.lambda.len() {
-            let [g, _, size] = self.values(self.spread[m], &self.spread, &(m..m + 1));
+        self.form_gaps();
+        let q = self.lambda.len();
+        let pairs: Vec<(usize, usize)> = (0..r).flat_map(|i| (0..r).map(move |k| (i, k))).collect();
+        let product = |&(i, k): &(usize, usize)| -> Vec<f64> {
+            self.psi.iter().zip(&self.gamma).map(|(psi, gamma)| psi[i] * gamma[k]).collect()
+        };
+        let products: Vec<Vec<f64>> = pairs.iter().map(product).collect();
+        let [mut g, mut size] = [Small::zeros(r); 2];
+        for m in 0..q {
+            for (&(i, k), product) in pairs.iter().zip(&products) {
+                let (value, moduli) = weighted(&self.gaps[m * q..(m + 1) * q], product);
+                g.a[i][k] = value + self.constant[i][k];
+                size.a[i][k] = moduli + self.constant[i][k].abs();
+            }
             let residue = -g.bordered(&self.psi[m], &self.gamma[m]).determinant();
             let error = unit * size.bordered(&sizes[0], &sizes[1]).permanent();
             is_zero &= residue.abs() <= error;
@@ -606,4 +658,23 @@ impl MinorSeries {
         }
         self.is_open |= open && !h.is_zero;
     }
+}
+
+/// Sum of w p, and of the moduli.
+fn weighted(w: &[f64], p: &[f64]) -> (f64, f64) {
+    let (mut sums, mut moduli) = ([0.0; LANES], [0.0; LANES]);
+    let (w, w_rest) = w.as_chunks::<LANES>();
+    let (p, p_rest) = p.as_chunks::<LANES>();
+    for (w, p) in w.iter().zip(p) {
+        for l in 0..LANES {
+            let part = w[l] * p[l];
+            sums[l] += part;
+            moduli[l] += part.abs();
+        }
+    }
+    let mut both = (total(sums), total(moduli));
+    for part in w_rest.iter().zip(p_rest).map(|(w, p)| w * p) {
+        both = (both.0 + part, both.1 + part.abs());
+    }
+    both
 }
