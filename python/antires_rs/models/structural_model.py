@@ -440,9 +440,9 @@ class StructuralModel(AroundCore[CoreModel]):
         ndarray, (n,)
             Hz, ascending, a list of them for a sequence of responses, or of tuples; with ``bounds`` a pair of
             arrays (n,), frequencies and bounds of their errors in Hz, infinite where a root is not certain: too
-            close to others, or moved by more than 1e-3 in frequency squared by rounding of the entries. Dropped are
-            roots that are infinite or zero at working precision (an ulp of K and M moves them by more than
-            1e-3 of their own distance from there), negative, or complex (imaginary part above 1e-9 of the
+            close to others, or moved by more than 1e-3 in frequency squared by rounding of the entries.
+            Dropped are roots that are infinite or zero at working precision (an ulp of K and M moves them by
+            more than 1e-3 of their own distance from there), negative, or complex (imaginary part above 1e-9 of the
             modulus, or above ten times that uncertainty, at most 3e-7).
 
         Raises

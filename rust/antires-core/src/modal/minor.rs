@@ -222,18 +222,20 @@ impl Small {
         (0..self.n).map(|i| b[i] * (0..self.n).map(|j| self.a[i][j] * c[j]).sum::<f64>()).sum()
     }
 
-    /// Null vectors, by elimination with pivots from the whole rest.
-    pub fn null(&self) -> Null {
+    /// Null vectors, by elimination with pivots from the whole rest. Rows and columns are brought to one size by
+    /// those of `size`, the moduli that the entries are sums of: a column that vanishes must not be brought to any.
+    pub fn null(&self, size: Option<&Self>) -> Null {
         let n = self.n;
         let (mut u, mut rows, mut cols) = (self.a, [1.0; BORDERED], [1.0; BORDERED]);
-        let size = |largest: f64| if largest > 0.0 { largest.log2().round().exp2().recip() } else { 1.0 };
-        for i in 0..n {
-            rows[i] = size(u[i][..n].iter().fold(0.0, |m: f64, a| m.max(a.abs())));
-            u[i][..n].iter_mut().for_each(|a| *a *= rows[i]);
-        }
-        for j in 0..n {
-            cols[j] = size((0..n).fold(0.0, |m: f64, i| m.max(u[i][j].abs())));
-            (0..n).for_each(|i| u[i][j] *= cols[j]);
+        if let Some(Self { a: size, .. }) = size {
+            let unit = |largest: f64| if largest > 0.0 { largest.log2().round().exp2().recip() } else { 1.0 };
+            for i in 0..n {
+                rows[i] = unit((0..n).fold(0.0, |m: f64, j| m.max(size[i][j])));
+            }
+            for j in 0..n {
+                cols[j] = unit((0..n).fold(0.0, |m: f64, i| m.max(size[i][j] * rows[i])));
+                (0..n).for_each(|i| u[i][j] *= rows[i] * cols[j]);
+            }
         }
         let (mut p, mut q): ([usize; BORDERED], [usize; BORDERED]) =
             (std::array::from_fn(|i| i), std::array::from_fn(|j| j));
@@ -432,7 +434,8 @@ impl MinorSeries {
         }
         let here = self.lambda[modes.clone()].to_vec();
         self.lambda[modes.clone()].fill(lambda);
-        let found = self.bordered(lambda, modes).0.null().nullity;
+        let (b, _, size) = self.bordered(lambda, modes);
+        let found = b.null(Some(&size)).nullity;
         self.lambda[modes.clone()].copy_from_slice(&here);
         found
     }
@@ -519,7 +522,7 @@ impl MinorSeries {
         let mut at = x;
         for _ in 0..MOST_STEPS {
             let (b, slope, size) = self.bordered(at, &modes);
-            let null = b.null();
+            let null = b.null(Some(&size));
             let (left, right) = (&null.left[..], &null.right[..]);
             let along = slope.form(left, right);
             let step = -null.value / along;
@@ -562,8 +565,8 @@ impl MinorSeries {
     /// leftᵀ M right of the null vectors that they make; not finite where there are more than one.
     pub fn null_vectors(&self, x: f64) -> (Null, Range<usize>, f64) {
         let modes = self.beside(x);
-        let (b, slope, _) = self.bordered(x, &modes);
-        let null = b.null();
+        let (b, slope, size) = self.bordered(x, &modes);
+        let null = b.null(Some(&size));
         let along = if null.nullity > 1 { f64::NAN } else { slope.form(&null.left, &null.right) };
         (null, modes, along)
     }

@@ -276,7 +276,8 @@ fn a_minor_of_a_chain_has_the_roots_of_its_parts() {
     let model = mass_spring_chain(&[1.0; 8], &[100.0; 7], 0.0, 0.0).unwrap();
     let ends = [Ends::new(&[4, 0], &[0, 4]).unwrap()];
     let parts = (1..4).flat_map(|j| [f64::from(j) / 8.0, f64::from(2 * j - 1) / 14.0]);
-    let mut want: Vec<f64> = parts.map(|angle| hertz(400.0 * (std::f64::consts::PI * angle).sin().powi(2))).collect();
+    let mut want: Vec<f64> =
+        parts.map(|angle| hertz(400.0 * (std::f64::consts::PI * angle).sin().powi(2))).collect();
     want.sort_by(f64::total_cmp);
     for route in [Route::Modal, Route::Pencil] {
         let found = &antiresonances(&model, &ends, &all(route, true)).unwrap()[0];
