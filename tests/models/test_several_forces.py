@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import warnings
 
 import numpy as np
 import pytest
@@ -18,8 +19,8 @@ def test_none_is_missed_and_none_invented(seed):
     r = 2 + seed // len(KINDS) % 2
     responses, forces = (tuple(rng.choice(model.n_dof, r, replace=False).tolist()) for _ in range(2))
     want = by_qz(model, responses, forces)
-    with np.testing.suppress_warnings() as quiet:
-        quiet.filter(ar.exceptions.AntiresWarning)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ar.exceptions.AntiresWarning)
         for method in ("modal", "pencil"):
             found = model.antiresonances(responses, forces, method=method, include_cancelled=True)
             np.testing.assert_allclose(found, want, rtol=1e-5)
@@ -53,7 +54,7 @@ def test_bounds_hold_and_both_ways_agree_on_a_frame():
     quick = case.model.antiresonances(pairs, forces, f_max_hz=400.0)
     sure = case.model.antiresonances(pairs, forces, f_max_hz=400.0, bounds=True)
     for own, (hz, error) in zip(quick, sure, strict=True):
-        assert own.size == hz.size > 3
+        assert own.size == hz.size > 2
         assert np.isfinite(error).all()
         assert np.all(np.abs(own - hz) <= error + 1e-8 * hz)
 
@@ -88,7 +89,7 @@ def test_forces_that_share_one_way_have_none():
         ((1, 5), (4, 4), "dof 4 twice"),
         ([(1, 5), (2,)], (0, 4), "as many responses as forces"),
         ((0, 1, 2, 3, 4), (0, 1, 2, 3, 4), "at most 4 forces"),
-        ([], (0, 4), "as many responses as forces"),
+        ([], (0, 4), "at least one dof"),
         ((1, 9), (0, 4), "7"),
     ],
 )
@@ -100,8 +101,8 @@ def test_what_is_refused(response, excitation, says):
 def minors(model, forces, rng=None, std=3e-4, n=8):
     """Values of all sets of responses, with errors."""
     ends = list(itertools.combinations(range(n), len(forces)))
-    with np.testing.suppress_warnings() as quiet:
-        quiet.filter(ar.exceptions.AntiresWarning)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ar.exceptions.AntiresWarning)
         found = model.antiresonances(ends, forces, f_max_hz=130.0)
     hz = {
         end: own[own > 3.0] * (1.0 + (0.0 if rng is None else std * rng.standard_normal((own > 3.0).sum())))
@@ -138,7 +139,7 @@ def test_a_model_is_updated_from_two_unknown_forces_and_one_beside_them():
         problem = ar.UpdatingProblem(model, parameters, [minors(truth, (0, 4), rng, std=1e-6, n=6), *more])
         result = ar.update(problem, rng=0)
         assert result.table.largest_before_percent > 1.0 > 0.01 > result.table.largest_after_percent
-        assert "(0, 4)" in str(result.table)
+        assert "(mass 0, mass 4)" in str(result.table)
 
 
 def test_damage_is_found_between_two_tests_with_two_unknown_forces():

@@ -439,11 +439,11 @@ class StructuralModel(AroundCore[CoreModel]):
         -------
         ndarray, (n,)
             Hz, ascending, a list of them for a sequence of responses, or of tuples; with ``bounds`` a pair of
-            arrays (n,), frequencies and bounds of their errors in Hz, infinite where a root is not certain: too
-            close to others, or moved by more than 1e-3 in frequency squared by rounding of the entries.
+            arrays (n,), frequencies and bounds of their errors in Hz, infinite where a root is not certain:
+            too close to others, or moved by more than 1e-3 in frequency squared by rounding of the entries.
             Dropped are roots that are infinite or zero at working precision (an ulp of K and M moves them by
-            more than 1e-3 of their own distance from there), negative, or complex (imaginary part above 1e-9 of the
-            modulus, or above ten times that uncertainty, at most 3e-7).
+            more than 1e-3 of their own distance from there), negative, or complex (imaginary part above 1e-9
+            of the modulus, or above ten times that uncertainty, at most 3e-7).
 
         Raises
         ------
@@ -569,8 +569,6 @@ class StructuralModel(AroundCore[CoreModel]):
                 remedy = "An antiresonance of order r belongs to r responses and r forces."
                 reject(name, f"{len(dofs)} dof(s) for {r} force(s)", "as many responses as forces", remedy)
             ends.append(tuple(dofs) if r > 1 else dofs[0])
-        if not ends:
-            reject("response", "an empty sequence", "at least one set of dofs", "Name the dofs of one.")
         return ends, tuple(forces) if r > 1 else forces[0], is_one
 
     def _whole_shapes(self, shapes: FloatArray) -> FloatArray:
