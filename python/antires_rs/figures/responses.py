@@ -168,7 +168,7 @@ def dof_name(model: StructuralModel, dof: Any) -> str:
 
 
 def name_of(names: Mapping[int, str], end: Any, otherwise: str = "") -> Any:
-    """A response or force of a table by its name, or the names of several dofs; a number where there is none."""
+    """A response or force of a table by its name, several dofs by theirs; a number where there is none."""
     if isinstance(end, tuple):
         return " and ".join(str(name_of(names, dof, otherwise)) for dof in end)
     return names.get(end, f"{otherwise}{end}" if otherwise else end)

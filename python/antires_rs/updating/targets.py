@@ -368,9 +368,9 @@ def by_rows(model: StructuralModel, parts: Sequence[Part]) -> tuple[_core.Model,
     core, rows = model._core_for([dof for end in ends for dof in members(end)])
     row = iter(rows)
     placed: list[CorePart] = []
-    for response, force, hz, sees, number in parts:
+    for response, force, hz, sees, of_set in parts:
         i = list(islice(row, len(members(response))))
-        placed.append((i, list(islice(row, len(members(force)))), hz, sees, number))
+        placed.append((i, list(islice(row, len(members(force)))), hz, sees, of_set))
     return core, placed
 
 
