@@ -142,7 +142,7 @@ def told(name, symmetric=False):
         model = next(one for one in cases() if one.name == KINDS[name]).build(0.0)
     layout, parameters = Layout(model, tuple(sensors), force, (1.0, high), "transmissibility"), damages(model)
     roots = placement.virtual_roots(layout, parameters, np.zeros(len(parameters)), ERRORS, 1)
-    return layout, placement.information(roots, len(sensors), np.ones(len(parameters)), 2)
+    return layout, placement.information(roots, layout, np.ones(len(parameters)), 2)
 
 
 @pytest.mark.parametrize("criterion", CRITERIA)

@@ -33,7 +33,7 @@ from .live_canvas import explored
 from .marks import Line, Scene
 from .mesh import MOST_MODES, has_mesh, page_data, plot_mesh, scene, shapes_of
 from .packing import library, packed, packed_text
-from .responses import dof_name
+from .responses import dof_name, name_of
 from .structure import chain, frame, plot_chain, plot_frame, seen_points
 from .updating import convergence, differences, plot_convergence, plot_differences
 
@@ -339,7 +339,8 @@ def _model(result: UpdateResult) -> dict[str, Figure]:
         caption = "The model with the stiffness losses found"
     at: dict[str, Any] = {"sensors": [], "excitation": None, "label": "Stiffness loss (%)"}
     if isinstance(seen, AntiresonanceSet):
-        at |= {"sensors": list(seen), "excitation": seen.excitation}
+        dofs = dict.fromkeys(dof for key in seen for dof in (key if isinstance(key, tuple) else [key]))
+        at |= {"sensors": list(dofs), "excitation": seen.excitation}
         caption += "; sensors as arrows, the force as a heavier one"
     if isinstance(model, MassSpringChain):
         size, height, alt = (9.0, 2.9), 260, f"Drawing of a chain of {model.n_dof} masses"
@@ -599,7 +600,7 @@ def _frequency_rows(table: Any, names: list[str]) -> list[dict[str, Any]]:
         return rows
     last, called = None, table.dof_names
     for row, dof, force in zip(rows, table.dof.tolist(), table.excitation.tolist(), strict=True):
-        row.update(group=(dof, force) != last, dof=called.get(dof, dof), force=called.get(force, force))
+        row.update(group=(dof, force) != last, dof=name_of(called, dof), force=name_of(called, force))
         last = (dof, force)
     return rows
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -165,3 +165,10 @@ def dof_name(model: StructuralModel, dof: Any) -> str:
     if isinstance(dof, tuple):
         return ", ".join(dof_name(model, one) for one in dof)
     return str(model.dof_name(dof)) if hasattr(model, "dof_name") else f"dof {dof}"
+
+
+def name_of(names: Mapping[int, str], end: Any, otherwise: str = "") -> Any:
+    """A response or force of a table by its name, several dofs by theirs; a number where there is none."""
+    if isinstance(end, tuple):
+        return ", ".join(str(name_of(names, dof, otherwise)) for dof in end)
+    return names.get(end, f"{otherwise}{end}" if otherwise else end)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..exceptions import reject
+from ..models.structural_model import members
 from ..support.checks import FloatArray, integer, real_array
 from .canvas import draw, fit_across, new_axes, width_pt
 from .marks import Arrows, Axis, Line, Mark, Panel, Paths, Points, Words, xy
@@ -102,7 +103,7 @@ def chain(
     high = HEIGHT if n <= MOST_COILS else 0.0
     springs = {e: _coil(np.array([a, 0.0]), np.array([b, 0.0]), high) for e, (a, b) in between.items()}
     dofs = [model._dof("sensors", dof) for dof in sensors]
-    force = [] if excitation is None else [model._dof("excitation", excitation)]
+    force = [] if excitation is None else members(model._end("excitation", excitation))
     given = _value_by_element(values, n + 1 if values is None or isinstance(values, Mapping) else n - 1)
     paths, names = list(springs.values()), [model.element_label(element) for element in springs]
     width = 1.6
@@ -222,7 +223,7 @@ def frame(
     more = {"node": list(map(str, range(len(points)))), "where": where}
     marks.append(Points(*xy(points), size=3.0, face="white", only="page", says=says, more=more))
     dofs, names = [model._dof("sensors", dof) for dof in sensors], model._frame.dof_names()
-    force = [] if excitation is None else [model._dof("excitation", excitation)]
+    force = [] if excitation is None else members(model._end("excitation", excitation))
     for found, colour, length, name in (
         (dofs, "vermillion", 0.7, "accelerometer"),
         (force, "black", 1.3, "force"),

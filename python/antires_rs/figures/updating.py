@@ -10,6 +10,7 @@ import numpy as np
 from ..exceptions import reject
 from .canvas import draw, new_axes, plain_log, text_width_pt, width_pt
 from .marks import Axis, Bars, Heads, Line, Mark, Panel, Points, Rules, turn
+from .responses import name_of
 
 if TYPE_CHECKING:
     from ..optimize.island_ga import OptimizeResult
@@ -124,7 +125,7 @@ def _bars(
 def _responses(table: Any) -> tuple[Any, list[tuple[int, int, str]], list[str], str]:
     """Where a group begins, (first, end, short name) of each, what each value is of, and the axis' label."""
     dof, force, names = np.asarray(table.dof), np.asarray(table.excitation), table.dof_names
-    several = np.unique(force).size > 1
+    several = len(set(force.tolist())) > 1
     starts = np.r_[True, (dof[1:] != dof[:-1]) | (force[1:] != force[:-1])][: dof.size]
     # "mass" or "dof" once: beside it there is no room over a response with a single antiresonance.
     masses = bool(names) and all(str(each).startswith("mass ") for each in names.values())
@@ -132,9 +133,9 @@ def _responses(table: Any) -> tuple[Any, list[tuple[int, int, str]], list[str], 
     pairs = list(zip(dof.tolist(), force.tolist(), strict=True))
     ends, named = [*np.flatnonzero(starts).tolist(), dof.size], []
     for first, end in pairwise(ends):
-        short = [str(names.get(which, which)).removeprefix("mass ") for which in pairs[first]]
+        short = [str(name_of(names, which)).replace("mass ", "") for which in pairs[first]]
         named.append((first, end, ", ".join(short) if several else f"{title * (first == 0)}{short[0]}"))
-    whole = [[str(names.get(which, f"dof {which}")) for which in pair] for pair in pairs]
+    whole = [[name_of(names, which, "dof ") for which in pair] for pair in pairs]
     of = [f"{p}, force at {k}" if several else p for p, k in whole]
     groups = "response and force dof" if several else "response dof"
     return starts, named, of, f"Measured antiresonance (Hz), by {groups} (above)"

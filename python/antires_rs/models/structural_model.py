@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Literal, Self, get_args
 import numpy as np
 
 from .._core import Model as CoreModel
-from ..exceptions import Name, NumericalError, part, reject
+from ..exceptions import NumericalError, part, reject
 from ..measured.modal_set import ModalSet
 from ..signals.recording import Recording
 from ..support.checks import (
@@ -424,8 +424,8 @@ class StructuralModel(AroundCore[CoreModel]):
 
     def antiresonances(
         self,
-        response: int | str | Sequence[int | str],
-        excitation: int | str,
+        response: int | str | Sequence[int | str] | Sequence[End | Sequence[int | str]],
+        excitation: int | str | Sequence[int | str],
         *,
         f_max_hz: float | None = None,
         method: Method = "modal",
@@ -460,12 +460,12 @@ class StructuralModel(AroundCore[CoreModel]):
         Returns
         -------
         ndarray, (n,)
-            Hz, ascending, a list of them for a sequence of responses (or of tuples of them); with ``bounds`` a pair of arrays (n,),
-            frequencies and bounds of their errors in Hz, infinite where a root is not certain: too close to
-            others, or moved by more than 1e-3 in frequency squared by rounding of the entries. Dropped are
-            roots that are infinite or zero at working precision (an ulp of K and M moves them by more than
-            1e-3 of their own distance from there), negative, or complex (imaginary part above 1e-9 of the
-            modulus, or above ten times that uncertainty, at most 3e-7).
+            Hz, ascending, a list of them for a sequence of responses, or of tuples; with ``bounds`` a pair of
+            arrays (n,), frequencies and bounds of their errors in Hz, infinite where a root is not certain:
+            too close to others, or moved by more than 1e-3 in frequency squared by rounding of the entries.
+            Dropped are roots that are infinite or zero at working precision (an ulp of K and M moves them by
+            more than 1e-3 of their own distance from there), negative, or complex (imaginary part above 1e-9
+            of the modulus, or above ten times that uncertainty, at most 3e-7).
 
         Raises
         ------
@@ -475,8 +475,9 @@ class StructuralModel(AroundCore[CoreModel]):
         Warns
         -----
         AntiresWarning
-            The response is not connected to the excitation, or the minor is identically zero; rounding leaves a doubt about the number of
-            roots, which only models of up to 2,000 dofs can settle; some roots are not certain.
+            The response is not connected to the excitation, or the minor is identically zero; rounding leaves
+            a doubt about the number of roots, which only models of up to 2,000 dofs can settle; some roots
+            are not certain.
 
         Examples
         --------
@@ -484,7 +485,9 @@ class StructuralModel(AroundCore[CoreModel]):
         >>> chain = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 500.0])
         >>> [zeros.round(3).tolist() for zeros in chain.antiresonances([0, 1, 2], 0)]
         [[1.666, 5.375], [2.516], []]
-        >>> chain.antiresonances([(0, 1), (1, 2)], (0, 2)).round(3).tolist()   # forces at 0 and 2
+        >>> forces = (0, 2)  # both at once
+        >>> [zeros.round(3).tolist() for zeros in chain.antiresonances([(0, 2), (1, 2)], forces)]
+        [[5.033], []]
         """
         choice("method", method, get_args(Method))
         limit = np.inf
@@ -562,7 +565,7 @@ class StructuralModel(AroundCore[CoreModel]):
             return self._names.find(name, value)
         return integer(name, value, low=0, high=self.n_dof - 1)
 
-    def _end(self, name: Name, value: Any) -> End:
+    def _end(self, name: str, value: Any) -> End:
         """A dof, or several, each by its number or name, ascending."""
         if not isinstance(value, list | tuple | np.ndarray):
             return self._dof(name, value)
@@ -582,14 +585,12 @@ class StructuralModel(AroundCore[CoreModel]):
         is_one = all(shape_of(one) == () for one in given)
         ends: list[End] = []
         for nth, one in enumerate([given] if is_one else given):
-            name: Name = "response" if is_one else part("response", nth)
+            name = "response" if is_one else part("response", nth)
             dofs = _distinct(name, self._dofs(name, [one] if shape_of(one) == () else one))
             if len(dofs) != r:
                 remedy = "An antiresonance of order r belongs to r responses and r forces."
                 reject(name, f"{len(dofs)} dof(s) for {r} force(s)", "as many responses as forces", remedy)
             ends.append(tuple(dofs) if r > 1 else dofs[0])
-        if not ends:
-            reject("response", "an empty sequence", "at least one set of dofs", "Name the dofs of one.")
         return ends, tuple(forces) if r > 1 else forces[0], is_one
 
     def _whole_shapes(self, shapes: FloatArray) -> FloatArray:
@@ -619,7 +620,7 @@ def members(end: End) -> list[int]:
     return list(end) if isinstance(end, tuple) else [end]
 
 
-def _distinct(name: Name, dofs: list[int]) -> list[int]:
+def _distinct(name: str, dofs: list[int]) -> list[int]:
     twice = [dof for dof in dofs if dofs.count(dof) > 1]
     if twice:
         reject(name, f"dof {twice[0]} twice", "distinct dofs", "Leave one of the two out.")

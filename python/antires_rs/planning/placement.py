@@ -37,7 +37,7 @@ class Layout:
 
     @property
     def responses(self) -> tuple[End, ...]:
-        """What values belong to: the sensors; of r forces at once sets of r sensors, of very many sets some."""
+        """What values belong to: the sensors; of r forces at once sets of r sensors, some of very many."""
         r = len(members(self.force))
         if isinstance(self.force, int):
             return self.sensors

@@ -105,8 +105,8 @@ class SensorPlan(ReadOnly, Viewed):
     names, labels : dict
         What elements and dofs are called.
     value_std, errors : dict of int or tuple to (n,), and str
-        Relative standard deviation of each antiresonance of each sensor, or set of them, on which all this rests; and whether
-        it was given, or is the Cramer-Rao bound for noise, duration and damping.
+        Relative standard deviation of each antiresonance of each sensor, or set of them, on which all this
+        rests; and whether it was given, or is the Cramer-Rao bound for noise, duration and damping.
 
     Examples
     --------
@@ -205,7 +205,8 @@ def plan_test(
         Elements whose damage is to be found against a baseline, zero-based; default as for
         :func:`assess_damage`. Or parameters to be updated from one test.
     n_sensors : int
-        How many, from 2 (1 with ``sees='frf'``), of r forces r - 1 more. With as many as candidates these are judged as they are.
+        How many, from 2 (1 with ``sees='frf'``), of r forces r - 1 more. With as many as candidates these
+        are judged as they are.
     candidates : sequence of int, optional
         Dofs that may get a sensor. Default: all, of a frame all translations.
     excitations : int or sequence of int or of tuples, optional

@@ -387,7 +387,7 @@ def _zeros(
 
 
 def _with_sensors(ends: list[End], sensors: tuple[int, ...]) -> list[End]:
-    """The responses that further sensors give: of several forces, one takes a place in each set of responses."""
+    """The responses that further sensors give: of several forces, sets in which one takes a place."""
     if isinstance(ends[0], int):
         return [dof for dof in sensors if dof not in ends]
     more = ((dof, *members(end)[1:]) for dof in sensors for end in ends if dof not in members(end))

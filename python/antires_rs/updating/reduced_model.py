@@ -424,8 +424,8 @@ class ReducedProblem:
         """Error to be expected of the paired frequencies at ``x``, relative, the largest."""
         affine, paired_hz = self._affine, self._plain.pairs(x)[0]
         # Of several forces the full model alone tells, where a search ends.
-        ends = [(part[0][0], part[1][0]) if len(part[0]) == 1 else (-1, -1) for part in affine.parts]
-        ends = np.repeat(ends, [part[2].size for part in affine.parts], axis=0)
+        single = [(part[0][0], part[1][0]) if len(part[0]) == 1 else (-1, -1) for part in affine.parts]
+        ends = np.repeat(single, [part[2].size for part in affine.parts], axis=0)
         there = ~np.isnan(paired_hz) & (ends[:, 0] >= 0)
         asked = np.unique(np.column_stack([ends, paired_hz])[there].T, axis=1)
         if asked.size == 0:

@@ -384,10 +384,14 @@ Exact = Callable[["StructuralModel"], tuple[list[Any], FloatArray | None] | None
 
 def by_rows(model: StructuralModel, parts: Sequence[Part]) -> tuple[_core.Model, list[CorePart]]:
     """The core's model in which all measured dofs are dofs, and the parts by its rows."""
-    core, rows = model._core_for([dof for part in parts for end in part[:2] for dof in members(end)])
+    ends = [end for response, force, *_ in parts for end in (response, force)]
+    core, rows = model._core_for([dof for end in ends for dof in members(end)])
     row = iter(rows)
-    ends = [[[next(row) for _ in members(end)] for end in part[:2]] for part in parts]
-    return core, [(*end, *part[2:]) for end, part in zip(ends, parts, strict=True)]
+    placed: list[CorePart] = []
+    for response, force, hz, sees, of_set in parts:
+        i = list(islice(row, len(members(response))))
+        placed.append((i, list(islice(row, len(members(force)))), hz, sees, of_set))
+    return core, placed
 
 
 def antiresonance_objective(
@@ -417,11 +421,10 @@ class AntiresonanceTargets:
             self._add(model, nth)
         counts = [len(part[2]) for part in self.parts]
         self.hz = np.concatenate([np.empty(0), *(part[2] for part in self.parts)])
-        self.dofs, self.excitations = (
-            np.repeat(_end_array([part[side] for part in self.parts]), counts) for side in (0, 1)
-        )
+        self.dofs = np.repeat(_end_array([part[0] for part in self.parts]), counts)
+        self.excitations = np.repeat(_end_array([part[1] for part in self.parts]), counts)
         #: What the tables call the dofs: "mass 3", "node 3 v"; none where they are numbers only.
-        named = {dof for part in self.parts for end in part[:2] for dof in members(end)}
+        named = {dof for i, k, *_ in self.parts for end in (i, k) for dof in members(end)}
         labels = {dof: model.dof_label(dof) for dof in sorted(named)}
         self.names = {d: own.removeprefix("node ") for d, own in labels.items() if own != f"dof {d}"}
 

@@ -25,10 +25,10 @@ fn damage_objective(
     let truth = common::reductions(damaged..damaged + 1);
     let truth = model.at(&truth, &[0.55]).unwrap();
     let query = Query { route: Route::Modal, f_max_hz, include_cancelled: false };
-    let measured = antiresonances(&truth, dofs, excitation, &query).unwrap();
+    let ends: Vec<_> = dofs.iter().map(|&dof| (dof, excitation).into()).collect();
+    let measured = antiresonances(&truth, &ends, &query).unwrap();
     let targets = dofs.iter().zip(measured).map(|(&dof, found)| Target {
-        dof,
-        excitation,
+        ends: (dof, excitation).into(),
         freq_hz: found.freq_hz,
         ..Target::default()
     });

@@ -218,25 +218,21 @@ impl<'a, 'm> Search<'a, 'm> {
             } else {
                 self.solved.dense_in_hand().map_or(0.0, |dense| dense.uncertainty(x))
             };
-            let moved = refined.noise + by_poles;
-            let fair = if self.solved.n_dof() <= MOST_EXACT { INEXACT_ROOT } else { DOUBTFUL_ROOT };
-            // NaN counts as moved.
-            let better =
-                if moved <= fair * x { None } else { place(self.solved, &ends, refined.x, REACH * moved) };
-            match better {
-                Some(better) if placed_twice(better, last) => certainty = Certainty::Doubtful,
-                Some(better) => {
-                    found.prove(better.x);
-                    last = better.x;
-                }
-                None if moved <= DOUBTFUL_ROOT * x => {
-                    found.prove(refined.x);
-                    last = refined.x;
-                }
-                None => {
-                    found.leave_open(refined.x);
-                    certainty = Certainty::Doubtful;
-                }
+            let moved = refined.noise + by_poles * refined.condition;
+            // NaN counts as doubtful.
+            let known = if moved <= DOUBTFUL_ROOT * x {
+                Some(refined.x)
+            } else {
+                place(self.solved, &ends, refined.x, REACH * moved)
+                    .filter(|better| !placed_twice(*better, last))
+                    .map(|better| better.x)
+            };
+            if let Some(known) = known {
+                found.prove(known);
+                last = known;
+            } else {
+                found.leave_open(refined.x);
+                certainty = Certainty::Doubtful;
             }
         }
         Ok(certainty)

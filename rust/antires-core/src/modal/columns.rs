@@ -121,7 +121,7 @@ impl Columns {
                 solved(u, &mut [(force, 1.0)].into_iter());
                 ends.responses().iter().enumerate().for_each(|(i, &dof)| h.set(i, k, u[row(dof)]));
             }
-            let null = h.null();
+            let null = h.null(None);
             solved(u, &mut ends.forces().iter().copied().zip(null.right));
             solved(w, &mut ends.responses().iter().copied().zip(null.left));
             null.value

@@ -29,12 +29,13 @@ use std::ops::Range;
 use super::receptance::{Receptance, ulps};
 use crate::error::{Error, Result};
 use crate::linalg::symmetric::SymmetricSolver;
+use crate::linalg::wide::{LANES, total};
 
 /// Most forces at a time.
 pub const MOST_FORCES: usize = 4;
 
-/// Rows of the largest bordered matrix: the forces and six modes of one eigenvalue.
-const BORDERED: usize = MOST_FORCES + 6;
+/// Rows of the largest bordered matrix: the forces and as many modes as are left.
+const BORDERED: usize = 2 * MOST_FORCES;
 
 /// Relative distance to which coinciding eigenvalues are spread.
 const SPREAD: f64 = 1e-7;
@@ -221,18 +222,20 @@ impl Small {
         (0..self.n).map(|i| b[i] * (0..self.n).map(|j| self.a[i][j] * c[j]).sum::<f64>()).sum()
     }
 
-    /// Null vectors, by elimination with pivots from the whole rest.
-    pub fn null(&self) -> Null {
+    /// Null vectors, by elimination with pivots from the whole rest. Rows and columns are brought to one size by
+    /// those of `size`, the moduli that the entries are sums of: a column that vanishes must not be brought to any.
+    pub fn null(&self, size: Option<&Self>) -> Null {
         let n = self.n;
         let (mut u, mut rows, mut cols) = (self.a, [1.0; BORDERED], [1.0; BORDERED]);
-        let size = |largest: f64| if largest > 0.0 { largest.log2().round().exp2().recip() } else { 1.0 };
-        for i in 0..n {
-            rows[i] = size(u[i][..n].iter().fold(0.0, |m: f64, a| m.max(a.abs())));
-            u[i][..n].iter_mut().for_each(|a| *a *= rows[i]);
-        }
-        for j in 0..n {
-            cols[j] = size((0..n).fold(0.0, |m: f64, i| m.max(u[i][j].abs())));
-            (0..n).for_each(|i| u[i][j] *= cols[j]);
+        if let Some(Self { a: size, .. }) = size {
+            let unit = |largest: f64| if largest > 0.0 { largest.log2().round().exp2().recip() } else { 1.0 };
+            for i in 0..n {
+                rows[i] = unit((0..n).fold(0.0, |m: f64, j| m.max(size[i][j])));
+            }
+            for j in 0..n {
+                cols[j] = unit((0..n).fold(0.0, |m: f64, i| m.max(size[i][j] * rows[i])));
+                (0..n).for_each(|i| u[i][j] *= rows[i] * cols[j]);
+            }
         }
         let (mut p, mut q): ([usize; BORDERED], [usize; BORDERED]) =
             (std::array::from_fn(|i| i), std::array::from_fn(|j| j));
@@ -287,8 +290,10 @@ impl Small {
 pub struct Refined {
     /// Its place.
     pub x: f64,
-    /// Absolute uncertainty.
+    /// Absolute uncertainty, poles being exact.
     pub noise: f64,
+    /// How far it moves with the poles: 1 where left and right null vector are one.
+    pub condition: f64,
 }
 
 /// Eigenvalues that coincide.
@@ -329,6 +334,9 @@ pub struct MinorSeries {
     limit: f64,
     groups: Vec<Group>,
     is_open: bool,
+    /// t / (λ_n − λ_m) of row m, as spread, and the λ and σ that it was formed of: those of one set of forces.
+    gaps: Vec<f64>,
+    gaps_of: (Vec<f64>, Option<f64>),
 }
 
 impl MinorSeries {
@@ -426,7 +434,8 @@ impl MinorSeries {
         }
         let here = self.lambda[modes.clone()].to_vec();
         self.lambda[modes.clone()].fill(lambda);
-        let found = self.bordered(lambda, modes).0.null().nullity;
+        let (b, _, size) = self.bordered(lambda, modes);
+        let found = b.null(Some(&size)).nullity;
         self.lambda[modes.clone()].copy_from_slice(&here);
         found
     }
@@ -513,7 +522,7 @@ impl MinorSeries {
         let mut at = x;
         for _ in 0..MOST_STEPS {
             let (b, slope, size) = self.bordered(at, &modes);
-            let null = b.null();
+            let null = b.null(Some(&size));
             let (left, right) = (&null.left[..], &null.right[..]);
             let along = slope.form(left, right);
             let step = -null.value / along;
@@ -526,20 +535,54 @@ impl MinorSeries {
             let error = ulps(self.n) * f64::EPSILON * size.form(&moduli(left), &moduli(right));
             let noise = error / along.abs() + 2.0 * f64::EPSILON * at;
             if step.abs() <= (SETTLED * at).max(noise) {
-                return Some(Refined { x: at, noise });
+                let condition = self.sizes(at, &modes, &null) / along.abs();
+                return Some(Refined { x: at, noise, condition });
             }
         }
         None
+    }
+
+    /// Product of the sizes of left and right null vector in coordinates of the modes.
+    fn sizes(&self, x: f64, bordered: &Range<usize>, null: &Null) -> f64 {
+        let (r, t) = (self.order, self.factor(x).0);
+        let (mut left, mut right) = (0.0, 0.0);
+        for (m, (psi, gamma)) in self.psi.iter().zip(&self.gamma).enumerate() {
+            let (z, y) = if bordered.contains(&m) {
+                let at = r + m - bordered.start;
+                (null.left[at] / t, null.right[at])
+            } else {
+                let along = |each: &Each, v: &[f64]| (0..r).map(|j| each[j] * v[j]).sum::<f64>();
+                let s = (self.lambda[m] - x).recip();
+                (along(psi, &null.left) * s, along(gamma, &null.right) * s * t)
+            };
+            left += z * z;
+            right += y * y;
+        }
+        (left * right).sqrt()
     }
 
     /// Factors of the columns of H at a root, of the modes that are bordered, and which those are: right, left. And
     /// leftᵀ M right of the null vectors that they make; not finite where there are more than one.
     pub fn null_vectors(&self, x: f64) -> (Null, Range<usize>, f64) {
         let modes = self.beside(x);
-        let (b, slope, _) = self.bordered(x, &modes);
-        let null = b.null();
+        let (b, slope, size) = self.bordered(x, &modes);
+        let null = b.null(Some(&size));
         let along = if null.nullity > 1 { f64::NAN } else { slope.form(&null.left, &null.right) };
         (null, modes, along)
+    }
+
+    /// Forms the factors of the modes in G_m(λ_m), if they are not those of the last minor.
+    fn form_gaps(&mut self) {
+        if self.gaps_of.0 == self.spread && self.gaps_of.1 == self.sigma {
+            return;
+        }
+        self.gaps.clear();
+        for (m, &x) in self.spread.iter().enumerate() {
+            let t = self.factor(x).0;
+            let row = self.spread.iter().enumerate();
+            self.gaps.extend(row.map(|(n, &lambda)| if n == m { 0.0 } else { t / (lambda - x) }));
+        }
+        self.gaps_of = (self.spread.clone(), self.sigma);
     }
 
     /// Forms the partial fractions of the minor.
@@ -557,8 +600,20 @@ impl MinorSeries {
         }
         let (mut residues, mut errors) = (Vec::new(), Vec::new());
         let mut is_zero = true;
-        for m in 0..self.lambda.len() {
-            let [g, _, size] = self.values(self.spread[m], &self.spread, &(m..m + 1));
+        self.form_gaps();
+        let q = self.lambda.len();
+        let pairs: Vec<(usize, usize)> = (0..r).flat_map(|i| (0..r).map(move |k| (i, k))).collect();
+        let product = |&(i, k): &(usize, usize)| -> Vec<f64> {
+            self.psi.iter().zip(&self.gamma).map(|(psi, gamma)| psi[i] * gamma[k]).collect()
+        };
+        let products: Vec<Vec<f64>> = pairs.iter().map(product).collect();
+        let [mut g, mut size] = [Small::zeros(r); 2];
+        for m in 0..q {
+            for (&(i, k), product) in pairs.iter().zip(&products) {
+                let (value, moduli) = weighted(&self.gaps[m * q..(m + 1) * q], product);
+                g.a[i][k] = value + self.constant[i][k];
+                size.a[i][k] = moduli + self.constant[i][k].abs();
+            }
             let residue = -g.bordered(&self.psi[m], &self.gamma[m]).determinant();
             let error = unit * size.bordered(&sizes[0], &sizes[1]).permanent();
             is_zero &= residue.abs() <= error;
@@ -606,4 +661,23 @@ impl MinorSeries {
         }
         self.is_open |= open && !h.is_zero;
     }
+}
+
+/// Sum of w p, and of the moduli.
+fn weighted(w: &[f64], p: &[f64]) -> (f64, f64) {
+    let (mut sums, mut moduli) = ([0.0; LANES], [0.0; LANES]);
+    let (w, w_rest) = w.as_chunks::<LANES>();
+    let (p, p_rest) = p.as_chunks::<LANES>();
+    for (w, p) in w.iter().zip(p) {
+        for l in 0..LANES {
+            let part = w[l] * p[l];
+            sums[l] += part;
+            moduli[l] += part.abs();
+        }
+    }
+    let mut both = (total(sums), total(moduli));
+    for part in w_rest.iter().zip(p_rest).map(|(w, p)| w * p) {
+        both = (both.0 + part, both.1 + part.abs());
+    }
+    both
 }

@@ -90,7 +90,7 @@ impl SeveralForces {
         loop {
             let (p, count) = (self.t.len(), self.basis.len() / self.stride);
             let last = p == count || p >= enough;
-            let asked = p >= modes.len().max(rows.len()) && p % MORE == 0;
+            let asked = p > modes.len() + rows.len() && p % MORE == 0;
             if last || asked && self.error(p, &sizes) <= NEGLIGIBLE {
                 if self.decompose(p) && self.tell_modes(p, rows.len(), modes) {
                     return true;
@@ -175,6 +175,9 @@ impl SeveralForces {
                 }
                 let left = s * s * self.left_over(p, &y) / size;
                 worst = if left.is_nan() { f64::INFINITY } else { worst.max(left) };
+            }
+            if worst > NEGLIGIBLE {
+                return worst;
             }
         }
         worst

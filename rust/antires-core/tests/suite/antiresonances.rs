@@ -1,9 +1,9 @@
 //! Both routes against closed forms and against each other.
 
-use antires_core::antiresonances::{Query, Route, antiresonances};
+use antires_core::antiresonances::{Ends, Query, Route, antiresonances};
 use antires_core::fem::model::{Model, mass_spring_chain};
 use antires_core::fem::term::Term;
-use antires_core::modal::modes::modes;
+use antires_core::modal::modes::{hertz, modes};
 use faer::Mat;
 use proptest::prelude::*;
 
@@ -43,7 +43,9 @@ fn assert_close(got: &[f64], want: &[f64], tolerance: f64) {
 fn chain8_has_7_6_5_4_3_2_1_0_and_they_are_those_of_the_sub_chains() {
     let model = chain8();
     for route in [Route::Modal, Route::Pencil] {
-        let found = antiresonances(&model, &(0..8).collect::<Vec<_>>(), 0, &all(route, false)).unwrap();
+        let found =
+            antiresonances(&model, &(0..8).map(|i| (i, 0).into()).collect::<Vec<_>>(), &all(route, false))
+                .unwrap();
         for (i, zeros) in found.iter().enumerate() {
             assert_close(&zeros.freq_hz, &fixed_free_hz(7 - i), 1e-12);
         }
@@ -58,13 +60,13 @@ fn a_symmetric_chain_driven_at_its_middle_hides_its_odd_modes() {
     // leaves two equal halves: each of their frequencies is a true zero once, and cancels once.
     let odd = [resonances[1], resonances[3]];
     for route in [Route::Modal, Route::Pencil] {
-        let visible = antiresonances(&model, &[2], 2, &all(route, false)).unwrap();
+        let visible = antiresonances(&model, &[(2, 2).into()], &all(route, false)).unwrap();
         assert_close(&visible[0].freq_hz, &odd, 1e-9);
-        let with = antiresonances(&model, &[2], 2, &all(route, true)).unwrap();
+        let with = antiresonances(&model, &[(2, 2).into()], &all(route, true)).unwrap();
         assert_close(&with[0].freq_hz, &[odd[0], odd[0], odd[1], odd[1]], 1e-9);
         // Driven at the middle, the mass beside it does not move in the odd modes either.
-        let aside = antiresonances(&model, &[1], 2, &all(route, true)).unwrap();
-        let plain = antiresonances(&model, &[1], 2, &all(route, false)).unwrap();
+        let aside = antiresonances(&model, &[(1, 2).into()], &all(route, true)).unwrap();
+        let plain = antiresonances(&model, &[(1, 2).into()], &all(route, false)).unwrap();
         assert_eq!(aside[0].freq_hz.len(), plain[0].freq_hz.len() + 2);
         for f in odd {
             let on = |g: &f64| (g / f - 1.0).abs() < 1e-9;
@@ -88,9 +90,9 @@ fn repeated_eigenvalues_hide_one_root_each() {
     let model = Model::new(k, Mat::identity(n, n), vec![], vec![]).unwrap();
     let absorber = (1e4_f64).sqrt() / std::f64::consts::TAU;
     for route in [Route::Modal, Route::Pencil] {
-        let visible = antiresonances(&model, &[0], 0, &all(route, false)).unwrap();
+        let visible = antiresonances(&model, &[(0, 0).into()], &all(route, false)).unwrap();
         assert_close(&visible[0].freq_hz, &[absorber], 1e-12);
-        let with = antiresonances(&model, &[0], 0, &all(route, true)).unwrap();
+        let with = antiresonances(&model, &[(0, 0).into()], &all(route, true)).unwrap();
         assert_close(&with[0].freq_hz, &[absorber; 3], 1e-9);
     }
 }
@@ -100,7 +102,7 @@ fn an_unconnected_pair_is_identically_zero() {
     let k = Mat::from_fn(3, 3, |i, j| if i == j { 1e4 } else { 0.0 });
     let model = Model::new(k, Mat::identity(3, 3), vec![], vec![]).unwrap();
     for route in [Route::Modal, Route::Pencil] {
-        let found = antiresonances(&model, &[1, 0], 0, &all(route, false)).unwrap();
+        let found = antiresonances(&model, &[(1, 0).into(), (0, 0).into()], &all(route, false)).unwrap();
         assert!(found[0].identically_zero && found[0].freq_hz.is_empty());
         assert!(!found[1].identically_zero);
     }
@@ -121,15 +123,25 @@ fn massless_dofs_are_served_by_both_routes_and_equal_the_condensed_chain() {
     let mass = Mat::from_fn(size, size, |i, j| if i == j && i % 2 == 0 { 1.0 } else { 0.0 });
     let massless = Model::new(stiffness, mass, vec![], vec![]).unwrap();
     let chain = mass_spring_chain(&[1.0; 4], &[k; 3], 0.0, 0.0).unwrap();
-    let want: Vec<_> = antiresonances(&chain, &[0, 1, 2, 3], 0, &all(Route::Modal, false)).unwrap();
+    let want: Vec<_> = antiresonances(
+        &chain,
+        &[(0, 0).into(), (1, 0).into(), (2, 0).into(), (3, 0).into()],
+        &all(Route::Modal, false),
+    )
+    .unwrap();
     for route in [Route::Modal, Route::Pencil] {
-        let got = antiresonances(&massless, &[0, 2, 4, 6], 0, &all(route, false)).unwrap();
+        let got = antiresonances(
+            &massless,
+            &[(0, 0).into(), (2, 0).into(), (4, 0).into(), (6, 0).into()],
+            &all(route, false),
+        )
+        .unwrap();
         for (g, w) in got.iter().zip(&want) {
             assert_close(&g.freq_hz, &w.freq_hz, 1e-9);
         }
     }
     // The massless joint beside the force: both routes again, whatever their number.
-    let joint = |route| antiresonances(&massless, &[1], 0, &all(route, false)).unwrap();
+    let joint = |route| antiresonances(&massless, &[(1, 0).into()], &all(route, false)).unwrap();
     assert_close(&joint(Route::Modal)[0].freq_hz, &joint(Route::Pencil)[0].freq_hz, 1e-9);
     assert!(!joint(Route::Modal)[0].freq_hz.is_empty());
 }
@@ -144,7 +156,7 @@ fn a_double_zero_of_a_mirrored_pair_counts_twice() {
     let end = mass_spring_chain(&masses[..3], &springs[..2], 0.0, springs[2]).unwrap();
     let want: Vec<f64> = modes(&end).unwrap().freq_hz.iter().flat_map(|&f| [f, f]).collect();
     for route in [Route::Modal, Route::Pencil] {
-        let found = antiresonances(&model, &[5], 3, &all(route, false)).unwrap();
+        let found = antiresonances(&model, &[(5, 3).into()], &all(route, false)).unwrap();
         assert_close(&found[0].freq_hz, &want, 1e-9);
     }
 }
@@ -162,7 +174,7 @@ fn far_apart_dofs_of_a_disordered_chain_have_the_zeros_of_its_ends_only() {
     let mut want = [modes(&left).unwrap().freq_hz, modes(&right).unwrap().freq_hz].concat();
     want.sort_by(f64::total_cmp);
     for route in [Route::Modal, Route::Pencil] {
-        let found = antiresonances(&model, &[i], k, &all(route, true)).unwrap();
+        let found = antiresonances(&model, &[(i, k).into()], &all(route, true)).unwrap();
         assert_close(&found[0].freq_hz, &want, 1e-9);
     }
 }
@@ -172,7 +184,7 @@ fn driving_point_zeros_interlace_the_resonances() {
     let model = mass_spring_chain(&[1.0, 0.3, 2.0, 0.7, 1.1], &[1e4, 3e4, 2e4, 5e3], 7e3, 0.0).unwrap();
     let resonances = modes(&model).unwrap().freq_hz;
     for i in 0..5 {
-        let zeros = antiresonances(&model, &[i], i, &all(Route::Modal, false)).unwrap();
+        let zeros = antiresonances(&model, &[(i, i).into()], &all(Route::Modal, false)).unwrap();
         let zeros = &zeros[0].freq_hz;
         assert_eq!(zeros.len(), 4);
         for (r, z) in zeros.iter().enumerate() {
@@ -213,8 +225,8 @@ proptest! {
         let top = 1.5 * modes(&model).unwrap().freq_hz.last().unwrap();
         for include_cancelled in [false, true] {
             let query = |route| Query { route, f_max_hz: top, include_cancelled };
-            let modal = antiresonances(&model, &[i], k, &query(Route::Modal)).unwrap();
-            let pencil = antiresonances(&model, &[i], k, &query(Route::Pencil)).unwrap();
+            let modal = antiresonances(&model, &[(i, k).into()], &query(Route::Modal)).unwrap();
+            let pencil = antiresonances(&model, &[(i, k).into()], &query(Route::Pencil)).unwrap();
             let (modal, pencil) = (&modal[0].freq_hz, &pencil[0].freq_hz);
             prop_assert_eq!(modal.len(), pencil.len(), "{:?} {:?}", modal, pencil);
             for (a, b) in modal.iter().zip(pencil) {
@@ -226,8 +238,8 @@ proptest! {
     #[test]
     fn antiresonances_are_reciprocal((model, i, k) in random_model()) {
         let query = all(Route::Modal, false);
-        let there = antiresonances(&model, &[i], k, &query).unwrap();
-        let back = antiresonances(&model, &[k], i, &query).unwrap();
+        let there = antiresonances(&model, &[(i, k).into()], &query).unwrap();
+        let back = antiresonances(&model, &[(k, i).into()], &query).unwrap();
         prop_assert_eq!(there[0].freq_hz.len(), back[0].freq_hz.len());
     }
 }
@@ -256,4 +268,37 @@ fn terms_and_factors_reproduce_a_chain_built_directly() {
         }
     }
     assert!(Term::default().is_zero());
+}
+
+#[test]
+fn a_minor_of_a_chain_has_the_roots_of_its_parts() {
+    // Fixed at masses 0 and 4 of 8, the rest are masses 1 to 3 between fixed ends and 5 to 7 fixed at one.
+    let model = mass_spring_chain(&[1.0; 8], &[100.0; 7], 0.0, 0.0).unwrap();
+    let ends = [Ends::new(&[4, 0], &[0, 4]).unwrap()];
+    let parts = (1..4).flat_map(|j| [f64::from(j) / 8.0, f64::from(2 * j - 1) / 14.0]);
+    let mut want: Vec<f64> =
+        parts.map(|angle| hertz(400.0 * (std::f64::consts::PI * angle).sin().powi(2))).collect();
+    want.sort_by(f64::total_cmp);
+    for route in [Route::Modal, Route::Pencil] {
+        let found = &antiresonances(&model, &ends, &all(route, true)).unwrap()[0];
+        assert_eq!(found.freq_hz.len(), want.len(), "{found:?}");
+        assert!(found.freq_hz.iter().zip(&want).all(|(f, w)| (f / w - 1.0).abs() < 1e-12), "{found:?}");
+    }
+}
+
+#[test]
+fn a_minor_whose_forces_share_one_way_is_identically_zero() {
+    // What goes from masses 0 and 1 to 6 and 7 goes through one spring after the other.
+    let model = mass_spring_chain(&[1.0; 8], &[100.0; 7], 0.0, 0.0).unwrap();
+    let ends = [Ends::new(&[6, 7], &[0, 1]).unwrap()];
+    let found = &antiresonances(&model, &ends, &all(Route::Modal, true)).unwrap()[0];
+    assert!(found.identically_zero && found.freq_hz.is_empty(), "{found:?}");
+}
+
+#[test]
+fn ends_have_as_many_responses_as_forces() {
+    let refused = |i: &[usize], k: &[usize]| Ends::new(i, k).unwrap_err().to_string();
+    assert!(refused(&[1], &[0, 4]).starts_with("response: got 1 dofs for 2 forces"));
+    assert!(refused(&[1, 1], &[0, 4]).starts_with("response: got dof 1 twice"));
+    assert!(refused(&[], &[]).starts_with("excitation: got 0 dofs"));
 }

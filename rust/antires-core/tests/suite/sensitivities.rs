@@ -39,7 +39,7 @@ fn solver(model: &Model) -> AntiresonanceSolver {
 
 fn zeros(model: &Model, response: usize) -> Vec<f64> {
     let query = Query { route: Route::Modal, f_max_hz: f64::INFINITY, include_cancelled: false };
-    let found = antiresonances(model, &[response], 1, &query).unwrap();
+    let found = antiresonances(model, &[(response, 1).into()], &query).unwrap();
     found[0].freq_hz.iter().map(|&f| eigenvalue(f)).collect()
 }
 
@@ -54,7 +54,7 @@ fn analytic_sensitivities_are_the_limit_of_differences() {
     let mut compared = 0;
     for response in 0..6 {
         for (nth, x) in zeros(&here, response).into_iter().enumerate() {
-            zero.set(&mut prepared, (response, 1), x).unwrap();
+            zero.set(&mut prepared, &(response, 1).into(), x).unwrap();
             for index in 0..parameters.len() {
                 let moved = |h: f64| {
                     let mut p = AT;
@@ -87,7 +87,7 @@ fn one_mass_between_two_springs_moves_as_the_textbook_says() {
     let mut zero = ZeroSensitivity::default();
     let mut solver = solver(&model);
     let mut prepared = solver.prepare(model.stiffness(), model.mass());
-    zero.set(&mut prepared, (0, 0), 250.0).unwrap();
+    zero.set(&mut prepared, &(0, 0).into(), 250.0).unwrap();
     for index in 0..2 {
         let slope = zero.along(&slopes.along(index));
         assert!((slope + 250.0).abs() < 1e-9, "{slope}");
@@ -98,8 +98,7 @@ fn objective(misfit: Misfit, penalty: Option<Penalty>) -> AntiresonanceObjective
     let truth = chain().at(&parameters(), &[0.5, 1.02, 1.1, 0.97, 0.8]).unwrap();
     let hertz = |x: &f64| x.sqrt() / std::f64::consts::TAU;
     let targets = (0..6).map(|dof| Target {
-        dof,
-        excitation: 1,
+        ends: (dof, 1).into(),
         freq_hz: zeros(&truth, dof).iter().map(hertz).collect(),
         ..Target::default()
     });

@@ -29,7 +29,7 @@ fn targets(model: &Model, error: f64) -> Vec<Target> {
                     f * (1.0 + error * (2.3 * f64::from(count)).sin())
                 })
                 .collect();
-            Target { dof, excitation: 0, freq_hz, ..Target::default() }
+            Target { ends: (dof, 0).into(), freq_hz, ..Target::default() }
         })
         .collect()
 }
@@ -98,8 +98,9 @@ fn wrong_problems_are_refused_by_name() {
             AntiresonanceObjective::new(model, parameters, targets, Misfit::Absolute, Some(PAPER), snap);
         objective.err().expect("refused").to_string()
     };
-    let at =
-        |dof, excitation, freq| vec![Target { dof, excitation, freq_hz: vec![freq], ..Target::default() }];
+    let at = |dof, excitation, freq| {
+        vec![Target { ends: (dof, excitation).into(), freq_hz: vec![freq], ..Target::default() }]
+    };
     let ground = Parameter { quantity: Quantity::StiffnessFactor, terms: vec![7] };
     assert!(build(reductions(), at(8, 0, 1.0), 0.0).starts_with("measured: got dof 8"));
     assert!(build(reductions(), at(0, 9, 1.0), 0.0).starts_with("excitation: got dof 9"));
@@ -165,8 +166,7 @@ fn symmetric() -> Model {
 
 fn seen_by(sees: Sees, excitation: usize, dof: usize, freq_hz: Vec<f64>) -> AntiresonanceObjective {
     let targets = (0..7).map(|d| Target {
-        dof: d,
-        excitation,
+        ends: (d, excitation).into(),
         freq_hz: if d == dof { freq_hz.clone() } else { vec![] },
         sees,
         together: 0,

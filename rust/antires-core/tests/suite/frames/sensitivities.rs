@@ -57,8 +57,7 @@ fn sensitivities_of_frames_are_the_limit_of_differences() {
     let model = model(pipe());
     let (parameters, at) = parameters(&model);
     let targets = [4, 10, 19, 31, 46, 52].map(|dof| Target {
-        dof,
-        excitation: 4,
+        ends: (dof, 4).into(),
         freq_hz: vec![61.0, 118.0, 203.0, 310.0],
         ..Target::default()
     });
