@@ -94,7 +94,9 @@ def in_a_child(
     if large:
         name, shape = max(large, key=lambda each: float(np.prod([float(n) for n in each[1]])))
         problem = f"with {name} of {'x'.join(map(str, shape))} values"
-        remedy = f"Name the responses= to be read, which leaves the others alone, or raise memory_limit_gb{_OR}."
+        remedy = (
+            f"Name the responses= to be read, which leaves the others alone, or raise memory_limit_gb{_OR}."
+        )
         unsuitable(file, problem, f"arrays that fit into {_SHARE * most_gb:.3g} GB twice", remedy)
     for name, shape, _ in listed:
         if name not in found and len(shape) > 2:  # told of, never filled

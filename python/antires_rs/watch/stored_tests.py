@@ -225,7 +225,9 @@ def check_format(argument: str, path: Path, facts: Mapping[str, Any], newest: in
     if facts.get("format") != FORMAT:
         reject(argument, f"{str(path)!r} of another kind", WANTED, "Name another.")
     if facts.get("version", newest + 1) > newest:
-        reject(argument, f"{str(path)!r} of version {facts.get('version')}", f"{newest}", "Update antires_rs.")
+        reject(
+            argument, f"{str(path)!r} of version {facts.get('version')}", f"{newest}", "Update antires_rs."
+        )
 
 
 def write_table(path: Path, rows: Sequence[Row], config: dict[str, Any] | None) -> None:
