@@ -1,4 +1,4 @@
-"""Structures whose antiresonances rounding hides: by exact arithmetic none is missed or invented in silence."""
+"""Structures whose antiresonances rounding hides: exact arithmetic says what is missed in silence."""
 
 from dataclasses import replace
 
