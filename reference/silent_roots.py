@@ -1,6 +1,6 @@
-"""Models whose antiresonances rounding hides, held against exact roots: none may be missed or invented in silence.
+"""Models whose antiresonances rounding hides, against exact roots: none is missed or invented in silence.
 
-Springs and masses are whole multiples of powers of two, so that K of a free structure is singular to the last bit.
+Springs and masses have few binary digits, so that K of a free structure is singular to the last bit.
 """
 
 from __future__ import annotations
@@ -92,12 +92,12 @@ def silent_model(kind, seed):
 
 
 def wanted_hz(case):
-    """Zeros of H_ik (Hz) that the FRF shows, all real ones, and all that may count as real, with multiplicity."""
+    """Zeros of H_ik (Hz) that the FRF shows, all real ones, and all that may count as real; repeated."""
     exact = ExactRoots(case.stiffness, case.mass, case.response, case.excitation)
     if exact.is_zero:
         return [], [], []
     unseen = poles_not_seen(case, exact)
-    shown, real, nearly = [], [], []
+    real, nearly = [], []
     for root in exact.roots:
         hz = [float(mpmath.sqrt(root.x) / (2 * mpmath.pi))] * root.multiplicity
         if abs(root.imaginary) > NEARLY_REAL * root.x:
@@ -105,12 +105,11 @@ def wanted_hz(case):
         nearly += hz
         if root.imaginary == 0 and exact.ulp(root) <= VANISHING:
             real += hz
-    for hz in unseen:
-        nearest = min(real, key=lambda f: abs(f - hz), default=None)  # noqa: B023
-        if nearest is not None and abs(nearest - hz) <= SAME * hz:
-            shown.append(nearest)
-            real.remove(nearest)
-    return real[:], sorted(real + shown), nearly
+    shown = list(real)
+    for pole in unseen:
+        for hz in [f for f in shown if abs(f - pole) <= SAME * pole][:1]:
+            shown.remove(hz)
+    return shown, real, nearly
 
 
 def poles_not_seen(case, exact):

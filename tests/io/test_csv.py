@@ -153,6 +153,20 @@ def test_rows_are_counted_against_our_header(tmp_path):
     unsuitable("checksum", ar.read_csv, path)
 
 
+def test_a_flipped_bit_changes_no_number_in_silence(tmp_path):
+    signal, rng = recording(), np.random.default_rng(2)
+    data, torn = ar.write_csv(tmp_path / "a.csv", signal).read_bytes(), tmp_path / "b.csv"
+    for _ in range(150):
+        changed = bytearray(data)
+        changed[int(rng.integers(len(data)))] ^= 1 << int(rng.integers(8))
+        torn.write_bytes(changed)
+        try:
+            found = ar.read_csv(torn)
+        except ar.AntiresError:
+            continue
+        np.testing.assert_array_equal(found.responses, signal.responses)
+
+
 def test_units_that_are_written(tmp_path):
     refused("^unit: got 'g'; wanted an SI unit", ar.write_csv, tmp_path / "a.csv", recording(), unit="g")
     odd = ar.Recording([TIP, ROOT], 200.0, dofs=["=cmd|' /C calc'!A0", "+Z"])

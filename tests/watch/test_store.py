@@ -6,6 +6,8 @@ import shutil
 import sqlite3
 import subprocess
 import sys
+import warnings
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -275,6 +277,39 @@ def test_files_of_another_kind(tmp_path, name, content, said):
     refused(f"^store: got .*{said}", identified, tmp_path / name)
     with pytest.raises(FileNotFoundError):
         ar.Series.load(tmp_path / "absent.parquet")
+
+
+@pytest.mark.parametrize(("ending", "places"), [("sqlite", 200), ("parquet", 60)])
+def test_a_flipped_bit_is_told_and_takes_nothing_else(tmp_path, ending, places):
+    sets = [ar.AntiresonanceSet(0, {0: [2.0 + i, 50.0], 1: [3.0]}) for i in range(30)]
+    series = ar.Series.from_sets(sets, names=[f"t{i}" for i in range(30)])
+    file, torn = tmp_path / f"good.{ending}", tmp_path / f"torn.{ending}"
+    series.save(file)
+    rng, lost = np.random.default_rng(4), []
+    for _ in range(places):
+        data = bytearray(file.read_bytes())
+        data[int(rng.integers(len(data)))] ^= 1 << int(rng.integers(8))
+        torn.write_bytes(data)
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            try:
+                found = ar.Series.load(torn)
+                there = dict(zip(found.names, map(repr, found), strict=True))
+            except ar.AntiresError:
+                continue
+        lost.append(sum(there.get(name) != repr(one) for name, one in zip(series.names, sets, strict=True)))
+        assert told or not lost[-1]
+    assert np.mean(np.array(lost) <= 1) > 0.97  # a page of the database has several tests
+
+
+def test_a_store_of_the_version_before_goes_on(tmp_path, in_memory):
+    store = tmp_path / "year.sqlite"
+    stopped(store)
+    with closing(sqlite3.connect(store)) as database, database:
+        database.execute("ALTER TABLE tests DROP COLUMN checksum")
+        database.execute("DELETE FROM series WHERE name = 'checksum'")
+        database.execute("UPDATE series SET value = '2' WHERE name = 'version'")
+    assert_same(identified(store), in_memory)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork and SIGKILL")

@@ -85,13 +85,13 @@ def _read(path: Path, db: sqlite3.Connection, argument: str) -> tuple[list[Row],
         damage.append(f"the facts about it {_DAMAGED}")
     if damage and argument == "store":
         raise sqlite3.DatabaseError(damage[0])
-    first, lost = _rows(path, db, facts["version"], damage)
+    rows, lost = _rows(path, db, facts["version"], damage)
     if lost:
         damage.append(f"{len(lost)} tests {_DAMAGED}: {some(map(repr, lost))}")
     if damage:
-        text = f"{argument}: {str(path)!r} is damaged ({'; '.join(damage)}); the other {len(first)} tests were read."
-        warn("incomplete_file", text)
-    return first, facts
+        text = f"{argument}: {str(path)!r} is damaged ({'; '.join(damage)}); "
+        warn("incomplete_file", text + f"the other {len(rows)} tests were read.")
+    return rows, facts
 
 
 def _rows(path: Path, db: sqlite3.Connection, version: int, damage: list[str]) -> tuple[list[Row], list[str]]:
@@ -160,6 +160,12 @@ def _set_facts(db: sqlite3.Connection, **facts: Any) -> None:
     facts["checksum"] = _checksum(sorted(json.loads(json.dumps(known)).items()))
     items = [(name, json.dumps(value)) for name, value in facts.items()]
     db.executemany("INSERT OR REPLACE INTO series VALUES (?, ?)", items)
+
+
+def _seal(db: sqlite3.Connection) -> None:
+    """Checksums of all tests as they are now."""
+    sums = [(_checksum(values), values[0]) for *values, _ in db.execute(_ALL)]
+    db.executemany("UPDATE tests SET checksum = ? WHERE name = ?", sums)
 
 
 def _begin(db: sqlite3.Connection, config: Config | None, finished: bool) -> None:
@@ -269,6 +275,10 @@ class Store:
             db.execute("PRAGMA synchronous = NORMAL")
             db.execute("BEGIN IMMEDIATE")
             rows, facts = _read(file, db, "store")
+            if facts and facts["version"] < VERSION:
+                db.execute("ALTER TABLE tests ADD COLUMN checksum INTEGER")
+                _seal(db)
+                _set_facts(db, version=VERSION)
             if not facts:
                 _begin(db, self._config, False)
             elif not self._agrees(file, rows, facts["config"]):
@@ -347,8 +357,7 @@ class Store:
             self._db.execute("UPDATE tests SET place = -place - 1")
             texts = ((place, *_texts(row), row.name) for place, row in enumerate(rows))
             self._db.executemany("UPDATE tests SET place = ?, conditions = ?, time = ? WHERE name = ?", texts)
-            sums = [(_checksum(values), values[0]) for *values, _ in self._db.execute(_ALL)]
-            self._db.executemany("UPDATE tests SET checksum = ? WHERE name = ?", sums)
+            _seal(self._db)
             _set_facts(self._db, finished=True)
         self._db.execute("COMMIT")
         self._db.execute("PRAGMA journal_mode = DELETE")  # one file, which a read-only place may hold
