@@ -64,9 +64,10 @@ impl Status {
     /// The status in a sentence.
     pub fn message(self) -> &'static str {
         match self {
-            Self::Agreed => "All islands ended at one solution.",
+            Self::Agreed => "The islands' best individuals agree in their genes.",
             Self::CostAgreed => {
-                "All islands ended at one cost, but not at one solution: several fit equally well."
+                "The islands' best individuals agree in cost but not in genes: \
+                 several solutions are equally good."
             }
             Self::Stagnated => "The only island found no further improvement.",
             Self::Collapsed => {
@@ -263,13 +264,14 @@ impl Outcome {
             return message.to_string();
         }
         if self.migrations > 0 {
-            return format!("{message} They had exchanged their best individuals on the way.");
+            return format!("{message} They had exchanged their bests, so not all found it on their own.");
         }
-        if self.polished {
-            "All searches, each from a random start of its own, ended at one solution.".to_string()
+        let how = if self.polished {
+            "each was reached by a local search from a random start of its own"
         } else {
-            format!("{message} Each found it on its own.")
-        }
+            "each island found it on its own"
+        };
+        format!("{message} They had exchanged nothing yet: {how}.")
     }
 }
 
