@@ -334,8 +334,9 @@ def _folder(target: Path | None) -> Iterator[Path]:
         return
     kept = target.with_suffix(".runs")
     kept.mkdir(exist_ok=True)
-    for left in kept.glob("*-*"):  # by processes that were killed
-        if not alive(int(left.name.partition("-")[0])):
+    for left in kept.glob("[0-9]*-*") if os.name == "posix" else ():  # by processes that were killed
+        process = left.name.partition("-")[0]
+        if process.isdigit() and not alive(int(process)):
             shutil.rmtree(left, ignore_errors=True)
     yield kept
 

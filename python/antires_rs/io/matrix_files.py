@@ -492,7 +492,7 @@ def choose(name: str, path: PathLike, letter: str) -> Labelled:
     return found[own[0]]
 
 
-FORMAT, VERSION = "antires_rs.matrices", 2
+FORMAT, VERSION = "antires_rs.matrices", 3  # 3 has names and groups of terms, and the mesh
 #: Files that may hold stiffness and mass, by their names: K... and M...
 OF_BOTH = (".op4", ".pch", ".bdf", ".dmig", ".full")
 
