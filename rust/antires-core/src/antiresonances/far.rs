@@ -4,7 +4,7 @@
 //! the partial fractions, each of which falls off as 1/x, drown in rounding while H_ik itself falls off much faster.
 //! The factors of K − xM keep its sign: it is asked at points a fixed ratio apart, and a change of it is a root.
 
-use super::placement::place;
+use super::placement::{Placed, place};
 use super::search::Found;
 use super::secular::{Certainty, FAR_RATIO, INFINITY_RATIO};
 use crate::modal::minor::Ends;
@@ -46,8 +46,7 @@ pub(super) fn add_roots(
         if let Some(positive) = sign(solved, ends, x) {
             if let Some((low, was)) = before
                 && was != positive
-                && let Some(near) = halved(solved, ends, (low, x), was)
-                && let Some(root) = place(solved, ends, near, NEAR * near)
+                && let Some(root) = root_between(solved, ends, (low, x), was)
                 && !found.has(root)
                 && root.x <= ceiling
             {
@@ -66,21 +65,21 @@ fn sign(solved: &mut Solved<'_>, ends: &Ends, x: f64) -> Option<bool> {
     (here.value.abs() > SURE * here.ulp * here.slope.abs()).then_some(here.value > 0.0)
 }
 
-/// A place near the root between two points, of which H is positive at the lower one or not.
-fn halved(
+/// The root between two points, of which H is positive at the lower one or not.
+fn root_between(
     solved: &mut Solved<'_>,
     ends: &Ends,
-    (low, high): (f64, f64),
+    (mut low, mut high): (f64, f64),
     positive: bool,
-) -> Option<f64> {
-    let (mut low, mut high) = (low, high);
+) -> Option<Placed> {
     for _ in 0..HALVINGS {
         let middle = (low * high).sqrt();
         match sign(solved, ends, middle) {
             Some(here) if here == positive => low = middle,
             Some(_) => high = middle,
-            None => return Some(middle),
+            None => return place(solved, ends, middle, NEAR * middle),
         }
     }
-    Some((low * high).sqrt())
+    let near = (low * high).sqrt();
+    place(solved, ends, near, NEAR * near)
 }
