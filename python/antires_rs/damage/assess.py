@@ -668,8 +668,9 @@ class Assessor(ReadOnly, Viewed):
     Notes
     -----
     The tables take 8 bytes times levels (15), elements squared, and antiresonances: seconds and tens of MB
-    for 50 elements. :meth:`assess` is safe in several threads and processes; BLAS should have one thread
-    (``OPENBLAS_NUM_THREADS=1``), since more of them make small matrices slower.
+    for 50 elements, and five times that with the cracks of a frame. :meth:`assess` is safe in several threads
+    and processes; BLAS should have one thread (``OPENBLAS_NUM_THREADS=1``), since more of them make small
+    matrices slower.
 
     Examples
     --------

@@ -566,8 +566,7 @@ class QuickSearch(Search):
                         self._crack(s, self.likelihood.n + nth * len(own), own)
 
     def _crack(self, s: Elements, first: int, shapes: list[Shape]) -> None:
-        """Judge cracks of an element, the first one's number given, by the tables, beside the whole element
-        as it was judged."""
+        """Judge cracks of an element, the first one's number given, by the tables."""
         likelihood, test, u = self.likelihood, self.likelihood.test, self._u(s)
         top = max(self._weights().values()) - _CRACK_PRIOR - self.log_prior(s)
         asked = [(first + k, shapes[k].size, u) for k in range(1, len(shapes), 2)]
@@ -578,9 +577,6 @@ class QuickSearch(Search):
         (k,) = best.elements
         fits |= self._cracked([(other, shapes[other - first].size, best.u) for other in (k - 1, k + 1)], top)
         best = max(fits.values(), key=lambda fit: fit.log_evidence)
-        more = 0.0
-        if s in self.judged:
-            more = self.fits[s].log_evidence - test.settle([(list(s), u.tolist())], 1, 0.0)[0][4]
         (beta,) = likelihood.rows(s, best.beta[None])
         view = likelihood._view(beta, test.look(list(best.elements), best.u.tolist()))
         # At all other places it explains next to nothing.
@@ -591,8 +587,8 @@ class QuickSearch(Search):
         rows = [(float(each),) for each in losses]
         told = shapes[best.elements[0] - first].told(reach)
         known = self.shaped.cracked.get(s)
-        if known is None or total + more > known.log_evidence:
-            self.shaped.cracked[s] = Shaped("crack", told, total + more, view, *rows)
+        if known is None or total > known.log_evidence:
+            self.shaped.cracked[s] = Shaped("crack", told, total, view, *rows)
 
     def _cracked(self, asked: list[tuple[int, float, FloatArray]], top: float) -> dict[int, Fit]:
         """Cracks, by number, size and start, at their most probable amounts, by the tables; severities (u)
@@ -603,22 +599,30 @@ class QuickSearch(Search):
         least = min(left for _, left in starts) + 1.5 * _CRACK_HOPELESS
         pairs = zip(asked, starts, strict=True)
         ahead = [(c, size, np.array(u)) for (c, size, _), (u, left) in pairs if left < least]
+        # By number the share of a step to come, the log-likelihood where it is from, and where to.
+        climbs: dict[int, tuple[float, float, FloatArray, FloatArray]] = {}
         for _ in range(_CRACK_LOOKS):
             asked, ahead = ahead, []
             settled = test.settle([([c], u.tolist()) for c, _, u in asked], 1, 0.0)
-            for (c, size, u), (_, peak, mean, variance, seen, _) in zip(asked, settled, strict=True):
-                best, known = np.minimum(peak, FURTHEST), found.get(c)
-                # All amounts of a crack are equally probable, not all losses that are as flexible.
-                seen += np.log(size) - 2.0 * np.log(1.0 - np.exp(-best[0]) * (1.0 - size))
-                step_by = best - u
-                if abs(step_by[0]) <= LINEAR and (known is None or seen > known.log_evidence):
-                    rest = np.array(mean), np.array(variance).reshape(1, 1), view
-                    found[c] = Fit((c,), float(seen), -np.expm1(-best), *rest)
-                    if abs(step_by[0]) > _RESTS and seen > top - _LEAST_CRACK - _CRACK_SHARP:
-                        ahead.append((c, size, best))
-                else:
-                    further = u + np.clip(step_by, -_CRACK_STEP, _CRACK_STEP)
-                    ahead.append((c, size, further if known is None else 0.5 * (u + known.u)))
+            for (c, size, u), (_, peak, mean, variance, seen, height) in zip(asked, settled, strict=True):
+                share, known, start, best = climbs.get(c, (1.0, -np.inf, u, u))
+                climbs[c] = 0.5 * share, known, start, best
+                if height > known:
+                    best, middle = np.minimum(peak, FURTHEST), np.array(mean)
+                    climbs[c] = 1.0, height, u, best
+                    if abs(best[0] - u[0]) > LINEAR:  # slopes mislead
+                        seen -= 0.5 * (mean[0] - u[0]) ** 2 / variance[0]
+                        best = middle = u
+                    # All amounts of a crack are equally probable, not all losses that are as flexible.
+                    seen += np.log(size) - 2.0 * np.log(1.0 - np.exp(-best[0]) * (1.0 - size))
+                    if c not in found or seen > found[c].log_evidence:
+                        rest = middle, np.array(variance).reshape(1, 1), view
+                        found[c] = Fit((c,), float(seen), -np.expm1(-best), *rest)
+                share, _, u, best = climbs[c]
+                step_by = float(best[0] - u[0])
+                may = found[c].log_evidence > top - _LEAST_CRACK - _CRACK_SHARP
+                if share * abs(step_by) > _RESTS and (may or abs(step_by) > LINEAR):
+                    ahead.append((c, size, u + share * np.clip(step_by, -_CRACK_STEP, _CRACK_STEP)))
         return found
 
     def _pairs(self) -> dict[Elements, FloatArray]:
