@@ -19,11 +19,10 @@ import antires_rs as ar
 
 WIDTH_M, LEG_M, THICKNESS_M, WASHER_M = 0.16, 0.12, 0.008, 0.003
 SETS = ("FOOT", "WALL", "W1", "W2", "W3", "W4")
-SENSORS = ("{top left}:Y", "{top right}:Y", "{mid left}:Y", "{mid right}:Y", "{toe left}:Z", "{toe right}:Z")
 
 
 def bracket(cells: int = 8, moduli: Mapping[str, float] | None = None) -> tuple[str, dict[str, int]]:
-    """The input file, and the nodes of the sensors; ``cells`` along the width, ``moduli`` as factors by set."""
+    """The input file, and the nodes of the sensors; ``cells`` along the width, factors on moduli by set."""
     nx, ny = cells, cells * 3 // 4
     x, along = np.linspace(0.0, WIDTH_M, nx + 1), np.linspace(0.0, LEG_M, ny + 1)
     numbers: dict[tuple[float, ...], int] = {}
@@ -77,8 +76,8 @@ def bracket(cells: int = 8, moduli: Mapping[str, float] | None = None) -> tuple[
 def modes_of(text: str, nodes: Mapping[str, int], folder: Path, n_modes: int = 14) -> ar.ModalSet:
     """Modes that CalculiX finds, at the sensors, mass-normalised."""
     listed = "".join(f"{node},\n" for node in nodes.values())
-    step = f"*NSET, NSET=SENSORS\n{listed}*STEP\n*FREQUENCY\n{n_modes}\n*NODE PRINT, NSET=SENSORS\nU\n*END STEP\n"
-    (folder / "modes.inp").write_text(text + step)
+    step = f"*STEP\n*FREQUENCY\n{n_modes}\n*NODE PRINT, NSET=SENSORS\nU\n*END STEP\n"
+    (folder / "modes.inp").write_text(f"{text}*NSET, NSET=SENSORS\n{listed}{step}")
     subprocess.run(["ccx", "-i", "modes"], cwd=folder, check=True, capture_output=True)
     rows = [line.split() for line in (folder / "modes.dat").read_text().splitlines()]
     listed_hz = [row for row in rows if len(row) == 5 and row[0].isdigit()][:n_modes]

@@ -22,8 +22,8 @@ pytestmark = pytest.mark.usefixtures("quick_pictures")
 
 #: Pages whose code runs from top to bottom; files.md and the recipes speak of files and packages of others.
 PAGES = (
-    "start", "identify", "repeats", "series", "monitoring", "model", "fe_codes", "parameters", "damage", "stabilization",
-    "limits", "long_runs", "migration",
+    "start", "identify", "repeats", "series", "monitoring", "model", "fe_codes", "parameters", "damage",
+    "stabilization", "limits", "long_runs", "migration",
 )  # fmt: skip
 
 

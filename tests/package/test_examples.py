@@ -2,6 +2,7 @@
 
 import importlib.util
 import runpy
+import shutil
 
 import numpy as np
 import pytest
@@ -144,3 +145,12 @@ def test_from_file_to_report(tmp_path, capsys):
     assert "stiffness loss of spring 4" in out
     assert err == ""
     assert len(list((report.parent / "pictures").glob("*.png"))) == 13
+
+
+@campaign
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not on PATH")
+def test_bolted_bracket(tmp_path):
+    result = load("bolted_bracket").main(tmp_path, cells=5)
+    loss = result.severity[result.problem.model.element("W2")]
+    assert result.headline.startswith("There is damage (probability above 99.9 %): W2 (above 99.9 %)")
+    assert abs(loss - 0.4) < 0.03

@@ -5,20 +5,23 @@ from __future__ import annotations
 import argparse
 import re
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 from ..io.fe_codes import read_model
 from ..io.fe_programs import code_name
 from ..models.matrix_model import MatrixModel
-from .command import arguments, new_file, show
+from .command import arguments, existing, new_file, show
 
 _PASSED = "command", "out", "workers"
+_FUNCTION = re.compile(r"(?<=\.py):\w+$")
 _ELEMENTS = re.compile(r"\d+(-\d+)?(,\d+(-\d+)?)*")
 
 
 def model(args: argparse.Namespace) -> int:
     """Run the code, save the model, say what is in it."""
     new_file("--out", args.out, ".npz")
+    existing("SOURCE", Path(_FUNCTION.sub("", args.source)), "Name the input of the code.")
     named = {"source": "SOURCE", "groups": "--groups", "command": "--command", "path": "SOURCE"}
     with arguments(named):
         by_number = code_name(args.source, None, args.command) != "command"

@@ -67,7 +67,7 @@ class Ties:
         """u_s = u_m + theta_m x (x_s - x_m), theta_s = theta_m; of the directions ``moves``."""
         codes = self._codes(slave)
         arm = np.zeros(3)
-        coordinates = np.subtract(self.ops.nodeCoord(slave), self.ops.nodeCoord(master))
+        coordinates = np.ravel(np.subtract(self.ops.nodeCoord(slave), self.ops.nodeCoord(master)))
         arm[: coordinates.size] = coordinates
         # Translation i by rotation j: column j of the matrix that makes theta x arm.
         by = np.array([[0.0, arm[2], -arm[1]], [-arm[2], 0.0, arm[0]], [arm[1], -arm[0], 0.0]])
@@ -84,8 +84,13 @@ class Ties:
 
 def codes_of(ops: Any, node: int) -> tuple[int, ...]:
     """Direction codes of the dofs of a node; 0 for what is no motion."""
-    n_dof = int(np.ravel(ops.getNDF(node))[0])
-    return _CODES.get((int(np.ravel(ops.getNDM())[0]), n_dof), (0,) * n_dof)
+    n_dof = listed(ops.getNDF(node))[0]
+    return _CODES.get((listed(ops.getNDM())[0], n_dof), (0,) * n_dof)
+
+
+def listed(answer: Any) -> list[int]:
+    """Whole numbers that OpenSees gives as a list, or alone, or as None."""
+    return [int(each) for each in np.ravel([] if answer is None else answer)]
 
 
 def matrices(ops: Any, handler: str) -> list[Any]:
@@ -126,12 +131,12 @@ def main(request: dict[str, Any], out: str) -> None:
         if unknown:
             raise SystemExit(f"Unfit: {function} has no argument {unknown[0]!r} with a number as its default")
         space[function](**{name: defaults[name] * factor for name, factor in request["factors"].items()})
-    there = set(ops.getEleTags() or [])
+    there = sorted(listed(ops.getEleTags()))
     for tag in request["removed"]:
         if tag not in there:
             raise SystemExit(f"Unfit: the model has no element {tag}")
-    numbers = {tag: list(np.ravel(ops.eleNodes(tag))) for tag in sorted(there)}
-    kinds = {tag: str(np.ravel(ops.eleType(tag))[0]) for tag in sorted(there)}
+    numbers = {tag: listed(ops.eleNodes(tag)) for tag in there}
+    kinds = {tag: str(np.ravel(ops.eleType(tag))[0]) for tag in there}
     for tag in request["removed"]:
         ops.remove("element", tag)
     reduced = matrices(ops, "Transformation") if ties.rows and not request["removed"] else []
@@ -155,9 +160,11 @@ def write(
     """Entries of the matrices, names of the rows, equations and mesh as one archive."""
     row_of: dict[tuple[int, int], int] = {}
     points = np.zeros((len(stiffness), 3), dtype=np.int64)  # node, direction code, dof of the node from 1
-    nodes = sorted(ops.getNodeTags())
+    nodes = sorted(listed(ops.getNodeTags()))
     for node in nodes:
-        for i, (row, code) in enumerate(zip(ops.nodeDOFs(node), codes_of(ops, node), strict=False), 1):
+        for i, (row, code) in enumerate(
+            zip(listed(ops.nodeDOFs(node)), codes_of(ops, node), strict=False), 1
+        ):
             if row >= 0:
                 row_of[node, i] = row
                 points[row] = node, code, i
@@ -167,7 +174,7 @@ def write(
     own = {row for each in tied for row, value in each[:1]}
     names = list(dict.fromkeys(kinds.values()))
     most = max(map(len, numbers.values()), default=1)
-    places = [[*map(float, ops.nodeCoord(node)), 0.0, 0.0][:3] for node in nodes]
+    places = [[*map(float, np.ravel(ops.nodeCoord(node))), 0.0, 0.0][:3] for node in nodes]
     arrays: dict[str, Any] = {
         "points": points,
         "ties": np.array(flat, dtype=np.float64).reshape(-1, 3),

@@ -67,29 +67,19 @@ def cards_of(file: Path, depth: int = 0) -> list[Card]:
                 continue
             keyword, *options = (each.strip() for each in head[1:].split(","))
             pairs = (option.partition("=") for option in options if option)
-            card = Card(
-                " ".join(keyword.upper().split()), {k.strip().upper(): v.strip() for k, _, v in pairs}, []
-            )
-            head = ""
+            named = {key.strip().upper(): value.strip() for key, _, value in pairs}
+            card, head = Card(" ".join(keyword.upper().split()), named, []), ""
             if card.keyword == "INCLUDE":
                 more = file.parent / card.parameters.get("INPUT", "").strip('"')
                 if depth > 9 or not more.is_file():
-                    unsuitable(
-                        file, f"which includes {str(more)!r}", "files that are there", "Copy it there."
-                    )
+                    got = f"which includes {str(more)!r}"
+                    unsuitable(file, got, "files that are there", "Copy it there.")
                 cards += cards_of(more, depth + 1)
             else:
                 cards.append(card)
         elif cards:
             cards[-1].lines.append(line)
     return cards
-
-
-def _whole(card: Card) -> Iterator[int]:
-    for line in card.lines:
-        for field in line.split(","):
-            if field.strip():
-                yield int(field)
 
 
 #: Nodes of an element by its type; a shell or beam that is expanded has its number first.
@@ -116,10 +106,17 @@ _OF_MATERIALS = (
     ("ELASTIC", "DENSITY", "EXPANSION", "CONDUCTIVITY", "SPECIFIC HEAT", "PLASTIC", "CYCLIC HARDENING")
     + ("CREEP", "HYPERELASTIC", "HYPERFOAM", "DEFORMATION PLASTICITY", "DAMPING", "DEPVAR", "USER MATERIAL")
 )  # fmt: skip
-_SECTIONS = ("SOLID SECTION", "SHELL SECTION", "BEAM SECTION", "MEMBRANE SECTION")
-#: Constants that are moduli, of the first ten of a material by its type; of other types all but temperatures.
-_MODULI = {"": (0,), "ISO": (0,), "ENGINEERING CONSTANTS": (0, 1, 2, 6, 7, 8)}
-_SIZES = {"": 3, "ISO": 3, "ANISO": 22, "ANISOTROPIC": 22}  # constants and a temperature; of others 10
+_THICK = ("SHELL SECTION", "BEAM SECTION")
+_SECTIONS = (*_THICK, "SOLID SECTION", "MEMBRANE SECTION")
+#: How many constants and a temperature a type of material has, and which are moduli: isotropic, with
+#: engineering constants, orthotropic, anisotropic.
+_MODULI = {
+    "": (3, (0,)),
+    "ISO": (3, (0,)),
+    "ENG": (10, (0, 1, 2, 6, 7, 8)),
+    "ORT": (10, range(9)),
+    "ANI": (22, range(21)),
+}
 
 
 class Deck:
@@ -154,7 +151,8 @@ class Deck:
                 number, *place = card.numbers(i)
                 self._nodes[int(number)] = [float(x or 0.0) for x in (*place, "0", "0", "0")[:3]]
         elif card.keyword == "ELEMENT":
-            kind, own = card.named("TYPE"), list(_whole(card))
+            kind, fields = card.named("TYPE"), ",".join(card.lines).split(",")
+            own = [int(field) for field in fields if field.strip()]
             size = 1 + (_n_nodes(kind) or len(card.numbers(0)) - 1)
             for at in range(0, len(own), size):
                 self._elements[own[at]] = (kind, own[at + 1 : at + size])
@@ -193,16 +191,13 @@ class Deck:
     def names(self, kind: str) -> list[str]:
         """Of all element sets, or materials, that sections name."""
         key = "ELSET" if kind == "elset" else "MATERIAL"
-        return list(
-            dict.fromkeys(self.cards[i].parameters.get(key, "") for i in sorted({*self.section_of.values()}))
-        )
+        sections = (self.cards[i] for i in sorted({*self.section_of.values()}))
+        return list(dict.fromkeys(section.parameters.get(key, "") for section in sections))
 
     def elements_of(self, name: str) -> list[int]:
         """Of an element set, or of all sections of a material, by name."""
-        own = self.sets.get(name.upper())
-        if own is None:
-            of_material = {i for i, card in enumerate(self.cards) if card.named("MATERIAL") == name.upper()}
-            own = [element for element, i in self.section_of.items() if i in of_material]
+        of_material = {i for i, card in enumerate(self.cards) if card.named("MATERIAL") == name.upper()}
+        own = self.sets.get(name.upper()) or [e for e, i in self.section_of.items() if i in of_material]
         if not own:
             known = [*(each for each in self.sets if self.sets[each]), *self.materials]
             remedy = "Name a set that *ELSET or *ELEMENT makes, or a material."
@@ -217,18 +212,14 @@ class Deck:
         for i in sorted({self.section_of[e] for e in elements if e in self.section_of}):
             section = self.cards[i]
             if quantity == "thickness":
-                if (
-                    section.keyword not in ("SHELL SECTION", "BEAM SECTION")
-                    or "COMPOSITE" in section.parameters
-                ):
-                    return reject(
-                        "groups", f"thickness of a *{section.keyword}", "shells or beams", _OTHERWISE
-                    )
+                if section.keyword not in _THICK or "COMPOSITE" in section.parameters:
+                    got = f"thickness of a *{section.keyword}"
+                    reject("groups", got, "shells that are no composites, or beams", _OTHERWISE)
                 found.add(float(section.numbers(0)[0]))
                 continue
             kind = "DENSITY" if quantity == "density" else "ELASTIC"
             own = [c for c in self.materials.get(section.named("MATERIAL"), ()) if c.keyword == kind]
-            if not own:
+            if not own or (quantity != "density" and own[0].named("TYPE")[:3] not in _MODULI):
                 got = f"{quantity} of the material {section.parameters.get('MATERIAL', '(none)')!r}"
                 reject("groups", got, f"a material with *{kind}", _OTHERWISE)
             found.add(float(own[0].numbers(0)[0]))
@@ -264,9 +255,8 @@ class Deck:
                 if card.keyword == "BOUNDARY":  # loads do not count, nor what is written
                     written.append(card.text())
         written.append("*FREQUENCY, SOLVER=MATRIXSTORAGE\n1\n")
-        expanded = {
-            node for kind, nodes in self._elements.values() if _EXPANDED.match(kind) for node in nodes
-        }
+        shells = (nodes for kind, nodes in self._elements.values() if _EXPANDED.match(kind))
+        expanded = {node for nodes in shells for node in nodes}
         if expanded:
             written.append("*CLOAD\n")
             written += (f"{node},{axis},0.\n" for node in sorted(expanded) for axis in (1, 2, 3))
@@ -310,20 +300,16 @@ def _times(field: str, factor: float) -> str:
 
 def _scaled(card: Card, scales: Mapping[str, float]) -> list[str]:
     """The lines of a card of a material with moduli or densities times factors."""
-    kind, density = card.named("TYPE"), card.keyword == "DENSITY"
+    density = card.keyword == "DENSITY"
     if card.keyword != "ELASTIC" and not density:
         return card.lines
     factor = scales.get("density" if density else "youngs_modulus", 1.0)
-    size = 2 if density else _SIZES.get(kind, 10)
-    moduli = (0,) if density else _MODULI.get(kind, range(size - 1))
-    rows = [card.numbers(i) for i in range(len(card.lines))]
-    nth = 0
-    for row in rows:
-        if size <= 8:  # a line for each temperature
-            nth = 0
-        for at, value in enumerate(row):
-            row[at] = _times(value, factor) if nth % size in moduli else value
-            nth += 1
+    size, moduli = (2, (0,)) if density else _MODULI[card.named("TYPE")[:3]]
+    rows, first = [], 0
+    for i in range(len(card.lines)):
+        row = card.numbers(i)
+        rows.append([_times(x, factor) if (first + at) % size in moduli else x for at, x in enumerate(row)])
+        first += len(row) if size > 8 else 0  # those of few constants have a line for each temperature
     return [", ".join(row) for row in rows]
 
 

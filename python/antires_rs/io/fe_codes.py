@@ -45,22 +45,24 @@ class Runs:
 
     def __init__(self, code: Code, folder: Path, workers: int) -> None:
         self._code, self._folder, self._workers = code, folder, workers
-        self.base: Run = self._kept({}, lambda run: run)
+        (self.base,) = self._each([{}], lambda run, _: run)
         self._both = self.base.both(self.base.n_dof)
 
     def changes(self, several: Sequence[Factors]) -> list[tuple[Any, Any]]:
         """How stiffness and mass change with each, as sparse arrays."""
+        return [each.both(self.base.n_dof) for each in self._each(several, self._difference)]
+
+    def _each(self, several: Sequence[Factors], made: Callable[[Run, Factors], Run]) -> list[Run]:
+        def kept(factors: Factors) -> Run:
+            return self._kept(factors, made)
+
         with ThreadPoolExecutor(self._workers) as threads:
             try:
-                with Workers(self._change, threads, seconds_a_chunk=0.0, losses=0) as workers:
-                    found = list(workers.in_order(list(several), what="run"))
+                with Workers(kept, threads, seconds_a_chunk=0.0, losses=0) as workers:
+                    return list(workers.in_order(list(several), what="run"))
             except BaseException:  # Ctrl-C among them: what runs would be waited for
                 self._code.stop()
                 raise
-        return [each.both(self.base.n_dof) for each in found]
-
-    def _change(self, factors: Factors) -> Run:
-        return self._kept(factors, lambda run: self._difference(run, factors))
 
     def _difference(self, run: Run, factors: Factors) -> Run:
         if run.names != self.base.names or run.n_dof != self.base.n_dof:
@@ -75,7 +77,7 @@ class Runs:
             made.append(Entries.of_sparse(change.multiply(abs(change) > self._code.rounding * size).tocsr()))
         return Run(made[0], made[1])
 
-    def _kept(self, factors: Factors, of: Callable[[Run], Run]) -> Run:
+    def _kept(self, factors: Factors, made: Callable[[Run, Factors], Run]) -> Run:
         """What a run gave, if it was made before, or now."""
         parts = [f"{FORMAT} {VERSION}", self._code.text({}), self._code.text(factors)]
         key = sha256("\0".join(parts).encode()).hexdigest()[:32]
@@ -86,7 +88,7 @@ class Runs:
             except AntiresError:
                 pass  # damaged: it is run again
         with _own_folder(f"{os.getpid()}-", self._folder) as folder:
-            run = of(self._code.run(folder, factors))
+            run = made(self._code.run(folder, factors), factors)
         store = Store()
         write_store(file, {"format": FORMAT, "version": VERSION, "run": encoded(vars(run), store)}, store)
         return run
@@ -138,9 +140,8 @@ class Fitted:
             kept = np.abs(values) > 1e-11 * most
             at = self._at[kept]
             if at.size:
-                made[power] = csr_array(
-                    (values[kept], (at // self._n, at % self._n)), shape=(self._n, self._n)
-                )
+                places = at // self._n, at % self._n
+                made[power] = csr_array((values[kept], places), shape=(self._n, self._n))
         return made
 
 
@@ -186,18 +187,15 @@ class Finder:
         return [Fitted(factors, each, sizes) for each, sizes in zip(changes, self._sizes, strict=True)]
 
     def _refuse(self, name: str, left: float) -> NoReturn:
-        got = f"matrices that are no polynomial in its value: {left:.1g} of the largest entries is left"
+        got = f"matrices that are no polynomial in its value: {left:.1g} of the entries is left"
         remedy = "Take another quantity, or the part of the group for which it is one."
         reject(("groups", name), got, f"powers from -1 to 4 that leave at most {POLYNOMIAL:g}", remedy)
 
     def _check(self, found: Terms) -> None:
         """All groups at other values in one run; where it differs, find which is the reason."""
-        factors = {
-            each.name: 0.0
-            if each.quantity == "stiffness"
-            else 0.75 + round(0.5 * (0.382 + 0.618 * nth) % 0.5, 3)
-            for nth, each in enumerate(self._code.asked)
-        }
+        spread = [0.7 + round((0.191 + 0.309 * nth) % 0.5, 3) for nth in range(len(self._code.asked))]
+        asked = zip(self._code.asked, spread, strict=True)
+        factors = {each.name: 0.0 if each.quantity == "stiffness" else s for each, s in asked}
         if self._left(found, factors) <= self._allowed(found):
             return
         for name, factor in factors.items():

@@ -8,10 +8,12 @@ import os
 import re
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -88,8 +90,9 @@ class Code:
     tolerance = 1e-9  # of the last run against the terms, where all are straight lines
     keeps = True  # whether its text says all that a run depends on
 
-    def __init__(self, source: Any, command: str | None, usual: str = "") -> None:
-        self.source, self._words = source, shlex.split(command or usual)
+    def __init__(self, source: Any, command: str | None, usual: Sequence[str] = ()) -> None:
+        self.source = source
+        self._words = shlex.split(command, posix=os.name == "posix") if command else list(usual)
         self.asked: list[Asked] = []
         self._lock, self._running, self._stopped = threading.Lock(), set[subprocess.Popen[bytes]](), False
 
@@ -140,7 +143,8 @@ class Code:
         with self._lock:
             self._stopped = True
             for process in self._running:
-                process.kill()
+                with suppress(OSError):  # and what it has begun itself, as scripts around a code do
+                    os.killpg(process.pid, signal.SIGKILL) if os.name == "posix" else process.kill()
 
 
 def _by_name(groups: Any) -> dict[str, Any]:
@@ -170,7 +174,7 @@ class CalculiX(Code):
     _QUANTITIES = ("youngs_modulus", "density", "thickness")
 
     def __init__(self, source: Any, command: str | None) -> None:
-        super().__init__(source, command, f"{shlex.quote(_ccx())} -i {{stem}}")
+        super().__init__(source, command, (_ccx(), "-i", "{stem}"))
         self._deck = calculix.Deck(existing_file(source))
         self._mesh = self._deck.mesh()
 
@@ -220,7 +224,7 @@ class OpenSees(Code):
     name = "OpenSeesPy"
 
     def __init__(self, source: Any, command: str | None) -> None:
-        super().__init__(source, command, shlex.quote(sys.executable))
+        super().__init__(source, command, (sys.executable,))
         script, _, function = str(source).rpartition(".py")
         self._script, self._function = existing_file(f"{script}.py").resolve(), function.lstrip(":") or None
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import gzip
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -501,8 +501,8 @@ def read_matrices(
     stiffness: Any,
     mass: Any = None,
     *,
-    stiffness_terms: Iterable[Any] = (),
-    mass_terms: Iterable[Any] = (),
+    stiffness_terms: Iterable[Any] | Mapping[str, Any] = (),
+    mass_terms: Iterable[Any] | Mapping[str, Any] = (),
     constraints: Any = None,
     keep: Iterable[int | str] = (),
     dofs: Any = None,
@@ -517,7 +517,7 @@ def read_matrices(
         (``.mtx``), Harwell-Boeing (``.rsa``, ``.rua``, ``.hb``), ANSYS (``.full``, extra ``ansys``); or the
         matrices themselves. Without ``mass``, a file of :func:`write_matrices`, or one that holds both: of
         ANSYS, or of Nastran with one name that begins with K and one with M.
-    stiffness_terms, mass_terms : sequence of the same
+    stiffness_terms, mass_terms : sequence of the same, or mapping of names to them
         Contribution of each element or group that a parameter may scale.
     constraints, keep, dofs : optional
         As of :class:`MatrixModel`. ``dofs`` may be a file for :func:`~antires_rs.io.read_dof_map`;
@@ -561,7 +561,9 @@ def read_matrices(
 
     terms: dict[str, Any] = {}
     for name, each, letter in (("stiffness_terms", stiffness_terms, "K"), ("mass_terms", mass_terms, "M")):
-        terms[name] = [placed(part(name, i), term, letter) for i, term in enumerate(each)]
+        items = each.items() if isinstance(each, Mapping) else enumerate(each)
+        made = {key: placed(part(name, key), term, letter) for key, term in items}
+        terms[name] = made if isinstance(each, Mapping) else list(made.values())
     if isinstance(dofs, str | os.PathLike):
         dofs = read_dof_map(dofs)
     elif dofs is None and rows.points is not None:
