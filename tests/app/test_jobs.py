@@ -280,6 +280,18 @@ def test_a_new_run_replaces_the_pictures_of_the_one_before_and_nothing_else(tmp_
     assert {path.name for path in results.rglob("*")} == FILES | {"notes.txt", "photo.png", "pictures"}
 
 
+def test_damage_by_modes_with_and_without_a_baseline(tmp_path):
+    case = ar.cases.chain8()
+    case.exact_modes(level=1).save(tmp_path / "now.json")
+    case.exact_modes(level=0).save(tmp_path / "intact.json")
+    modal = DAMAGE.replace('[data]\nfile = "measured.json"', '[measured]\nmodes = "now.json"')
+    assert losses(run(tmp_path, modal)) == FOUND
+    judged = run(tmp_path, modal.replace("[damage]", '[damage]\nbaseline = "intact.json"'))
+    assert judged["damaged"] == [4]
+    assert judged["probability_of_damage"] > 0.99
+    assert set(judged["inputs"]) == {"job.toml", "now.json", "intact.json"}
+
+
 def test_modes_are_identified_saved_read_back_fitted_or_compared(tmp_path, capsys):
     case = ar.cases.chain8(perturbation=0.05, rng=3)
     record = case.experiment(noise=0.01, duration_s=128.0, rng=1)

@@ -10,10 +10,12 @@ from typing import Any
 
 from .. import io
 from ..damage.assess import DamageResult, assess_damage
+from ..damage.measured_modes import measured_modes
 from ..damage.measured_states import measured_states
 from ..damage.options import TWO_STATES, DamagePrior, SearchOptions
 from ..io.registry import natural
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.modal_set import ModalSet
 from ..models import parameters
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
@@ -191,7 +193,7 @@ def _everything(model: StructuralModel, on: str) -> list[Any]:
 
 
 def damage_search(
-    job: Job, model: StructuralModel, measured: Any, baseline: list[AntiresonanceSet]
+    job: Job, model: StructuralModel, measured: Any, baseline: list[AntiresonanceSet] | list[ModalSet]
 ) -> Callable[..., DamageResult]:
     """The assessment of a job, to be called with what every search takes."""
     table = job.sections["damage"]
@@ -200,7 +202,8 @@ def damage_search(
     elements = [elements] if isinstance(elements, int | str) else elements
     chosen = elements or model.default_elements
     places: list[KeyPath] = [("damage", "elements", i) for i in range(len(chosen))]
-    with job.blame(("damage",), {"measured": ("data",), "parameters": places}):
+    of = ("data",) if job.data else ("measured",)
+    with job.blame(("damage",), {"measured": of, "parameters": places}):
         UpdatingProblem(
             model, stiffness_reduction(chosen), measured, penalty=options.prices, weights=options.weights
         )
@@ -215,9 +218,10 @@ def damage_search(
             job.one_of((*at, name), name, known, remedy, repr(name))
         with job.blame(at, {"prior": at}):
             prior = DamagePrior(**prior)
-    with job.blame(("damage",), {"measured": ("data",)}):  # known before anything is written
+    with job.blame(("damage",), {"measured": of}):  # known before anything is written
         options.of(TWO_STATES)
-        measured_states(model, baseline, measured if isinstance(measured, list) else [measured])
+        sides: Any = measured_modes if isinstance(baseline[0], ModalSet) else measured_states
+        sides(model, baseline, measured if isinstance(measured, list) else [measured])
 
     def judged(*, optimizer: Any, checkpoint: Any, **how: Any) -> DamageResult:
         """Nothing is searched, so that there is nothing to keep."""

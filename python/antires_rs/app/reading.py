@@ -392,15 +392,22 @@ def measured_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
     return measured
 
 
-# -- Measured modes of a job: [measured]
+# -- Measured modes of a job: [measured], and ``baseline`` of [damage] where modes are fitted
+
+_KEY: KeyPath = ("damage", "baseline")
 
 
-def modes_of(job: Job, model: StructuralModel) -> list[ModalSet]:
-    """The sets of [measured], at dofs of the model."""
+def modal_files(job: Job) -> dict[KeyPath, list[tuple[KeyPath, str]]]:
+    """Places and names of files of modes by key: those measured, and intact ones where modes are fitted."""
+    keys: list[KeyPath] = [("measured", "modes")] + ([] if job.data else [_KEY])
+    return {(s, key): _listed(job.sections[str(s)].get(str(key), []), (s, key)) for s, key in keys}
+
+
+def modes_of(job: Job, model: StructuralModel, key: KeyPath = ("measured", "modes")) -> list[ModalSet]:
+    """The sets of a key, at dofs of the model."""
     find, sets, at_dofs = dof_finder(job, model), [], ("measured", "dofs")
-    table = job.sections["measured"]
-    given: Any = table.get("dofs", {})
-    for at, name in _listed(table.get("modes", []), ("measured", "modes")):
+    given: Any = job.sections["measured"].get("dofs", {})
+    for at, name in modal_files(job).get(key, []):
         file = job.existing(at, name)
         with job.blame(at, {"path": at}):
             found = ModalSet.load(file)
@@ -419,7 +426,6 @@ def modes_of(job: Job, model: StructuralModel) -> list[ModalSet]:
 
 # -- The intact structure of a job: ``baseline`` of [damage], read and identified as [data] is
 
-_KEY: KeyPath = ("damage", "baseline")
 _SEARCH = ("seed", "workers")  # keys of [search] that count with a baseline
 
 
@@ -430,9 +436,6 @@ def check_options(job: Job) -> None:
         wanted = "modes alone: [measured] without [data]"
         job.reject(("updating", "objective"), '"modal" beside [data]', wanted, "Remove [data], or this key.")
     one_state, two_states = options_with(ONE_STATE), ("prior", *options_with(TWO_STATES))
-    if "baseline" in damage and not job.data:
-        wanted = "a [data] with antiresonances"
-        job.reject(_KEY, "it beside [measured] alone", wanted, "Leave it out: modes have none.")
     if "baseline" in damage:
         wanted, remedy = "it without a baseline", "Remove it: probabilities replace prices and search."
         wrong = [("damage", name) for name in one_state if name in damage]
@@ -447,7 +450,7 @@ def check_options(job: Job) -> None:
 
 def baseline_of(job: Job, model: StructuralModel) -> list[Measurement]:
     """Read and identify the intact structure: a file for each [data], or any number with a single one."""
-    names = _listed(job.sections["damage"].get("baseline", []), _KEY)
+    names = _listed(job.sections["damage"].get("baseline", []), _KEY) if job.data else []
     if names and len(job.data) > 1 and len(names) != len(job.data):
         got = f"{len(names)} of them"
         wanted = f"{len(job.data)}, one for each [[data]] in their order"

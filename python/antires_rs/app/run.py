@@ -40,7 +40,7 @@ from ..updating.update import update
 from .arguments import damage_search, model_of, parameters_of, search_of, term_files
 from .command import hint, say, show
 from .job import Job
-from .reading import Measurement, baseline_of, check_options, measured_of, modes_of
+from .reading import Measurement, baseline_of, check_options, measured_of, modal_files, modes_of
 
 # -- The folder of a run: what is in it, what was left by one that was killed
 
@@ -430,7 +430,9 @@ def _searched(
     if resume:
         _check_inputs(job, folder, inputs)
     sets: list[Any] = _sets(measured, folder, "antiresonances", resume) or modes
-    before = _sets(intact, folder, "baseline", resume)
+    before: list[Any] = _sets(intact, folder, "baseline", resume) or modes_of(
+        job, model, ("damage", "baseline")
+    )
     found: Any = sets[0] if len(sets) == 1 else sets
     search: Callable[..., UpdateResult]
     if job.task == "damage":
@@ -458,6 +460,8 @@ def _searched(
         evidence.save(folder.evidence)
     else:
         folder.evidence.unlink(missing_ok=True)  # of another run
+    facts = {key: [{"File": [name]} for _, name in files] for key, files in modal_files(job).items()}
+    known: list[Any] = measurement_of(intact) or facts.get(("damage", "baseline"), [])
     record = {
         "job": _relative(job.path, folder.folder),
         "task": job.task,
@@ -465,9 +469,9 @@ def _searched(
         "inputs": inputs,
         "state": "searching",
         "title": job.sections["output"].get("title"),
-        "measurement": measurement_of(measured) or [{"File": [file.name]} for file in _modal_files(job)],
+        "measurement": measurement_of(measured) or facts[("measured", "modes")],
         "modes": [folder.numbered("modes", i).name for i in range(len(modes))],
-        "baseline": [f | parts.of_set(b, model) for f, b in zip(measurement_of(intact), before, strict=True)],
+        "baseline": [f | parts.of_set(b, model) for f, b in zip(known, before, strict=True)],
         "warnings": texts,
         "versions": versions(),
     }
@@ -522,12 +526,8 @@ def _inputs(job: Job, measured: list[Measurement]) -> list[Path]:
     signals: list[Path] = []
     for path in (path for each in measured for path in (each.file, *each.repeats)):
         signals += filter(Path.is_file, [path] if path.is_file() else sorted(path.iterdir()))
-    return [job.path, *signals, *named, *terms, *_modal_files(job)]
-
-
-def _modal_files(job: Job) -> list[Path]:
-    names = job.sections["measured"].get("modes", [])
-    return [job.file(name) for name in ([names] if isinstance(names, str) else names)]
+    modal = [name for files in modal_files(job).values() for _, name in files]
+    return [job.path, *signals, *named, *terms, *map(job.file, modal)]
 
 
 def beside_of(folder: RunFolder, result: UpdateResult, record: dict[str, Any]) -> ModalTable | None:
