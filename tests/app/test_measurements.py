@@ -11,6 +11,7 @@ from antires_rs.app import main as cli
 from antires_rs.app.job import read_job
 from antires_rs.app.reading import measured_of
 from antires_rs.app.run import measurement_of
+from reference.several_forces import record_of
 from reference.virtual_records import accelerance, chain8_matrices, hit_record
 from tests.support.four_masses import chain, exact
 from tests.support.job_files import DAMAGE
@@ -216,3 +217,34 @@ def test_the_command_line_and_the_page_take_one_file_and_many(files, tmp_path, c
 def test_wrong_hits_are_named(files, capsys, more, said):
     assert cli.main(["identify", *map(str, files[1]), "--band", *ROVED, *more]) != 0
     assert said in capsys.readouterr().err
+
+
+# -- Several forces
+
+
+def test_several_places_in_a_job_and_on_the_command_line(tmp_path, capsys):
+    model = ar.cases.chain8().model
+    record = record_of(model, (0, 4), 60.0, 0.01, 1)
+    ar.write_npz(tmp_path / "rec.npz", ar.Recording(record.responses, record.fs_hz, list("abcdefgh")))
+    data = 'file = "rec.npz"\nband_hz = [3.0, 130.0]\nadd = "b, f = 20.0 by eye"\n'
+    (by_name,) = measured(tmp_path, f'{data}excitation = ["e", "a"]\n')
+    wanted = ar.identify_antiresonances(
+        ar.Recording(record.responses, record.fs_hz, list("abcdefgh")),
+        excitation=["a", "e"],
+        band_hz=(3, 130),
+    )
+    assert by_name.found == wanted.add(("b", "f"), 20.0)
+    numbered = data.replace("b, f", "1,5") + "dofs = [0, 1, 2, 3, 4, 5, 6, 7]\n"
+    (by_number,) = measured(tmp_path, f"{numbered}excitation = [0, 4]\n")
+    assert by_number.found.excitation == (0, 4)
+    assert by_number.found[1, 5].tolist() == by_name.found["b", "f"].tolist()
+    call = ["identify", str(tmp_path / "rec.npz"), "--band", "3", "130", "--excitation", "a,e", "--json"]
+    assert cli.main([*call, "--out", str(tmp_path / "z.json")]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["excitation"] == ["a", "e"]
+    assert told["antiresonances"][0]["dof"] == ["a", "b"]
+    assert ar.AntiresonanceSet.load(tmp_path / "z.json") == wanted
+    assert (
+        cli.main(["identify", str(tmp_path / "z.json"), "--drop", f"a,b={wanted['a', 'b'][0]:.3f} hum"]) == 0
+    )
+    assert "at dof a, b (hum)" in capsys.readouterr().out

@@ -186,7 +186,7 @@ class Job:
             key = keys[name]
             items = value.values() if isinstance(value, dict) else value
             given = list(items) if isinstance(value, dict | list) else [value]
-            if key.kind in ("dof", "dofs") and UNSET in given:  # as ``antires init`` left it
+            if key.kind in ("dof", "dofs", "places") and UNSET in given:  # as ``antires init`` left it
                 wanted = 'a dof of the model in place of each "?", as in 4, or "2 u" of a frame'
                 self.reject((*place, name), shown(value), wanted, f"Fill them in. {key.explanation}")
             kind = KINDS[key.kind]

@@ -141,10 +141,10 @@ _TEXT = """
 file (required text): The measurement: a file <endings>, a folder of files of one FRF each, or the .json of
     'antires identify'. Relative to this job file.
 repeats (texts of signals): Further files of the same test, other impacts or runs, in the same format; *
-    stands for anything. They are averaged with the first.
+    stands for anything. They are averaged with the first; FRFs of several forces are one of each.
 format (text, --format FORMAT): One of <formats>. By default the ending tells.
-excitation (dof of signals, --excitation DOF): Dof of the model at which the one force acts, or the name of
-    its channel.
+excitation (places of signals, --excitation DOFS): Dof of the model at which the one force acts, or the name
+    of its channel; a list, as [0, 4], of several unknown forces that act at once.
 band_hz (pair of signals, --band LOW HIGH): Lowest and highest frequency in Hz: from above the rigid-body
     modes to beyond the highest antiresonance wanted.
 dofs (dofs, --dof CHANNEL=DOF ...): Dof of the model for each channel: a list in their order, or name = dof;
@@ -356,6 +356,7 @@ KINDS = {
     "whole": Kind("a whole number", _whole, "Write it without quotes and decimal point."),
     "switch": Kind("true or false", _switch, "Write it in small letters, without quotes."),
     "pair": Kind("two numbers, [low, high]", _list(_number, 2, 2), "Write them as in [3.0, 130.0]."),
+    "places": Kind("a whole number or a name in quotes, or a list of them", _terms, "As in 3 or [0, 4]."),
     "dof": Kind("a whole number, or a name in quotes", _dof, 'Write it as in 3 or "12+Z".'),
     "dofs": Kind("a list of dofs, or a table name = dof", _dofs, 'As in [0, 1, 2] or { "12+Z" = 0 }.'),
     "force": Kind("a channel's name in quotes, or false", _dof_or_false, "Put it in quotes."),

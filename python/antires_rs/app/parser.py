@@ -123,7 +123,7 @@ def edit(text: str) -> str:
 
 _KINDS: dict[str, Callable[[str], Any]] = {  #: By the word that stands for a value.
     **dict.fromkeys(("DIR", "FILE", "FILE.json", "FILE.html", "FOLDER", "JOB", "RESULT"), Path),
-    **dict.fromkeys(("DOF", "SENSOR"), dof),
+    **dict.fromkeys(("DOF", "DOFS", "SENSOR"), dof),
     **dict.fromkeys(("HZ", "LOW", "VALUE"), number(float, 0.0)),
     "FRACTION": number(float, 0.0, 1.0),
     "P": number(float, 1e-6, 0.2),
@@ -257,7 +257,8 @@ _SHARED = {
 }
 _HELP = {  #: What the help says of an argument that it does not take from the sentence of the key of a job.
     "format": "format of the file (default: its ending tells)",
-    "excitation": "dof of the one force: a number, or a name as the file has it",
+    "excitation": "dof of the one force: a number, or a name as the file has it; of several unknown forces "
+    "that act at once as in 0,4",
     "force": "channel of the force",
     "dofs": "name a channel's dof, or leave it out by CHANNEL=; once for each channel",
     "responses": "array or channel of the responses, * for any text; once for each (default: all)",

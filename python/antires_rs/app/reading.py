@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 from ast import literal_eval
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -13,6 +13,7 @@ from .. import io
 from ..damage.options import ONE_STATE, TWO_STATES, options_with
 from ..exceptions import InvalidInputError, reject
 from ..identification.identify import Hit, identify_antiresonances, identify_roving
+from ..identification.minors import MinorResponse, minors_of_curves
 from ..identification.options import sorted_out
 from ..io.channels import renamed
 from ..io.common import Signal
@@ -21,7 +22,7 @@ from ..io.registry import CONVERT, READERS
 from ..io.uff import as_point, force_of, label_of
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.structural_model import StructuralModel
-from ..signals.frequency_response import covered_hz
+from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.repeats import one_source
 from ..support.messages import EDIT_WANTED, edit_named, some, warn
 from .arguments import dof_finder
@@ -145,17 +146,26 @@ class Measurement:
             with job.blame(place, {"path": at, "files": at, "signal": at}):
                 signal = read_signal(path, self.kind, options, job.spelled)
             signals.append(self._at_dofs(signal))
+        known = {*(self._dofs if isinstance(self._dofs, dict) else ()), *signals[0].dofs}
+        forces = places_of(self.table.get("excitation", ()), known)
         with job.blame(place, {"source": self.places}):
-            self.signal = one_source(signals)
+            # Curves of several forces are of one each.
+            curves = len(forces) > 1 and isinstance(signals[0], FrequencyResponse)
+            self.signal = minors_of_curves(signals, len(forces)) if curves else one_source(signals)
         job.check_data(place, self.table, self.signal)
-        at, force = (*place, "excitation"), self.table["excitation"]
+        forces = [self._acts_at(one) for one in places_of(self.table["excitation"], known)]
+        self.force = forces[0] if len(forces) == 1 else forces
+
+    def _acts_at(self, force: Any) -> Any:
+        """The dof of a place of a force; the name of a channel stands for its own."""
+        at = (*self.place, "excitation")
         if isinstance(self._dofs, dict) and force in self._dofs:
             if self._dofs[force] is not False:
-                force = self._dofs[force]  # the name of a channel stands for its dof
+                force = self._dofs[force]
             elif self._model is not None:
                 remedy = "Write the dof at which the force acts; its channel may still be left out."
-                job.reject(at, f"{shown(force)}, which dofs leaves out", "a dof of the model", remedy)
-        self.force = self._of_model(at, self._find(at, force))
+                self.job.reject(at, f"{shown(force)}, which dofs leaves out", "a dof of the model", remedy)
+        return self._of_model(at, self._find(at, force))
 
     def identified(self) -> Measurement:
         """The same, with its antiresonances, edited as the table says."""
@@ -167,12 +177,16 @@ class Measurement:
             say(f"identifying the antiresonances of {len(self.signal.dofs)} responses")
             chosen = dict(self.job.sections["identification"])
             if "dofs" in chosen:
-                chosen["dofs"] = [self._find(("identification", "dofs"), dof) for dof in chosen["dofs"]]
+                chosen["dofs"] = [self._each(("identification", "dofs"), dof) for dof in chosen["dofs"]]
             given = {"excitation": self.force, "band_hz": self.table["band_hz"], **sorted_out(chosen)}
             with self.job.blame(self.place, {"source": self.places[0], **OPTIONS}):
                 found = identify_antiresonances(self.signal, **given)
         self.found = edited(self.job, self.place, self.table, found, self._find)
         return self
+
+    def _each(self, at: KeyPath, dof: Any) -> Any:
+        """A dof, or each of several."""
+        return [self._find(at, one) for one in dof] if isinstance(dof, list) else self._find(at, dof)
 
     def _at_dofs(self, signal: Signal) -> Signal:
         """The signal with every channel at a dof of the model."""
@@ -188,19 +202,21 @@ class Measurement:
     def _renamed(self, found: AntiresonanceSet) -> AntiresonanceSet:
         """A set of a file at dofs of the model; the same object where nothing changes."""
         names, at = self._dofs or {}, (*self.place, "dofs")
+        channels = list(found if found.order == 1 else found.channels)
         if isinstance(names, list):
-            if len(names) != len(found):
-                wanted = f"{len(found)}, one for each of {list(found)}"
+            if len(names) != len(channels):
+                wanted = f"{len(channels)}, one for each of {channels}"
                 self.job.reject(at, f"{len(names)} dofs", wanted, "Or a table name = dof.")
-            names = dict(zip(found, names, strict=True))
-        given = {dof: names.get(str(dof), names.get(dof, dof)) for dof in found}
+            names = dict(zip(channels, names, strict=True))
+        given = {dof: names.get(str(dof), names.get(dof, dof)) for dof in channels}
         kept = {dof: new for dof, new in given.items() if new is not False}
         table = {dof: self._of_model(at, self._find(at, new), dof) for dof, new in kept.items()}
-        force = self._find(at, names.get(str(found.excitation), found.excitation))
-        if force == found.excitation and list(table.items()) == [(dof, dof) for dof in found]:
+        acted = [found.excitation] if found.order == 1 else list(found.excitation)
+        forces = [self._find(at, names.get(str(force), force)) for force in acted]
+        if forces == acted and list(table.items()) == [(dof, dof) for dof in channels]:
             return found
         with self.job.blame(self.place, {"freq_hz": at, "dofs": at}):
-            return found.relabelled(self._of_model(at, force), table)
+            return found.relabelled([self._of_model(at, force) for force in forces], table)
 
     def _of_model(self, place: KeyPath, dof: Any, name: Any = None) -> Any:
         """A dof of the model."""
@@ -212,6 +228,16 @@ class Measurement:
         if isinstance(dof, str):
             remedy = f'Say which dof it is: dofs = {{ "{dof}" = 0, ... }}.'
         return self.job.reject(place, got, f"a dof of the model, 0 to {model.n_dof - 1}", remedy)
+
+
+def places_of(given: Any, known: Container[Any] = ()) -> list[Any]:
+    """Where forces act: one place, a list, or a text with commas that is the name of none."""
+    if isinstance(given, list | tuple):
+        return list(given)
+    if not isinstance(given, str) or given in known or "," not in given:
+        return [given]
+    names = [name.strip() for name in given.split(",")]
+    return [int(name) if name.isdecimal() else name for name in names]
 
 
 #: Keys of values that are dropped and added by hand, and what each does.
@@ -233,7 +259,10 @@ def edited(
                 job.reject(at, shown(text), EDIT_WANTED, "Write the dof, =, the frequency, and why.")
             name, freq_hz, reason = named
             with job.blame(place, {"dof": at, "freq_hz": at}):
-                dof = find(at, int(name) if name.isdecimal() else name)
+                if found.order > 1:
+                    dof: Any = [find(at, one) for one in places_of(name)]
+                else:
+                    dof = find(at, int(name) if name.isdecimal() else name)
                 found = change(found, dof, freq_hz, reason=reason)
     return found
 
@@ -395,11 +424,13 @@ class Call(Job):
             remedy = f"The data reach from {low:.4g} to {high:.4g} Hz; 'antires look' shows them without it."
             reject("--band", "nothing", "--band LOW HIGH, in Hz, where the curves are clean", remedy)
         named = table.get("dofs", {})
-        force = table["excitation"]
-        if not (self._roved or force in named or force in signal.dofs):
+        channels = signal.columns[0].dofs if isinstance(signal, MinorResponse) else signal.dofs
+        for force in () if self._roved else places_of(table["excitation"], {*named, *channels}):
+            if force in named or force in channels:
+                continue
             # Antiresonances do not depend on that name: a slip of the pen would pass in silence.
-            hint = nearest(str(force), map(str, signal.dofs), 0.7) or "If it is one of them, write that name."
-            said = f"--excitation: {force!r} is none of the channels {some(map(repr, signal.dofs), _NAMED)}"
+            hint = nearest(str(force), map(str, channels), 0.7) or "If it is one of them, write that name."
+            said = f"--excitation: {force!r} is none of the channels {some(map(repr, channels), _NAMED)}"
             warn("force_not_measured", f"{said}: the place of the force cannot be tested. {hint}")
 
     def where(self, place: KeyPath) -> Place:

@@ -129,7 +129,7 @@ def _channels(file: Path) -> dict[str, Any]:
     with arguments({"path": "--data"}):
         if kind == "antiresonances":
             found = AntiresonanceSet.load(file)
-            force, names = found.excitation, list(found)
+            force, names = found.excitation, list(found if found.order == 1 else found.channels)
         else:
             force = force_of(file) if kind == "uff" else None
             names = list(read_signal(file, kind, {}).dofs)

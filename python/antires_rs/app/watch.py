@@ -30,7 +30,7 @@ from .command import arguments, existing, hint, say, show
 from .job import Job, read_job
 from .keys import FOLDER, format_of, shown
 from .parser import printable
-from .reading import EDITS, OPTIONS, Call, Spell, read_signal
+from .reading import EDITS, OPTIONS, Call, Spell, places_of, read_signal
 from .run import RunFolder, picture_name, write_json
 
 LEAST_SHARE = 0.3  # tracks that fewer of the tests have are not drawn
@@ -110,9 +110,12 @@ def _series_of(job: Job, folder: Path, workers: int | None) -> Series:
         )
 
 
-def _named_dof(force: Any, dofs: Any) -> Any:
-    """The dof of the force, for which the name of its channel stands."""
-    return dofs[force] if isinstance(dofs, dict) and dofs.get(force, False) is not False else force
+def _named_dof(given: Any, dofs: Any) -> Any:
+    """The dofs of the forces, for which the names of their channels stand."""
+    names = dofs if isinstance(dofs, dict) else {}
+    forces = places_of(given, names)
+    named = [names[force] if names.get(force, False) is not False else force for force in forces]
+    return named[0] if len(named) == 1 else named
 
 
 def _summary(series: Series) -> dict[str, Any]:

@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass, replace
+from itertools import combinations, islice
 from pathlib import Path
 from threading import Lock, RLock
 from typing import Any
@@ -17,12 +18,13 @@ import numpy as np
 
 from ..exceptions import AntiresError, AntiresWarning, InvalidInputError, reject
 from ..identification.identify import Hit, identify_antiresonances, identify_roving
+from ..identification.minors import MOST_MINORS
 from ..identification.options import sorted_out
 from ..identification.stabilization import StabilizationDiagram
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.edits import NAMED_WITHIN
 from ..measured.replay import Asked, asked_of, replayed, to_json
-from ..measured.response_table import doubts_of
+from ..measured.response_table import Dofs, doubts_of, force_label
 from ..signals.averaging import Averages, Averaging, average
 from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.recording import Recording
@@ -266,7 +268,9 @@ class Session:
         if zeros is None:
             assert self.source is not None
             dofs = self.source.dofs
-            zeros = AntiresonanceSet(excitation, {dof: [] for dof in dofs}, channels=dofs)
+            force = force_label("excitation", excitation)
+            keys = combinations(dofs, len(force)) if isinstance(force, Dofs) else dofs
+            zeros = AntiresonanceSet(force, {key: [] for key in islice(keys, MOST_MINORS)}, channels=dofs)
         asked = asked_of(zeros)
         band = None if band_hz is None else (band_hz[0], band_hz[1])
         if self.source is not None:

@@ -161,14 +161,14 @@ def _level(values: Any) -> FloatArray:
 
 
 def dof_name(model: StructuralModel, dof: Any) -> str:
-    """A dof, or several, as the tables name it."""
+    """A dof as the tables name it, or several of them."""
     if isinstance(dof, tuple):
-        return " and ".join(dof_name(model, one) for one in dof)
+        return ", ".join(dof_name(model, one) for one in dof)
     return str(model.dof_name(dof)) if hasattr(model, "dof_name") else f"dof {dof}"
 
 
 def name_of(names: Mapping[int, str], end: Any, otherwise: str = "") -> Any:
     """A response or force of a table by its name, several dofs by theirs; a number where there is none."""
     if isinstance(end, tuple):
-        return " and ".join(str(name_of(names, dof, otherwise)) for dof in end)
+        return ", ".join(str(name_of(names, dof, otherwise)) for dof in end)
     return names.get(end, f"{otherwise}{end}" if otherwise else end)

@@ -72,7 +72,7 @@ from .options import (
     sorted_out,
 )
 from .paper import sweep_of
-from .scores import graded, of_lost_channels, scored, unexplained, with_second, without_common
+from .scores import graded, of_blind_lines, of_lost_channels, scored, unexplained, with_second, without_common
 from .selection import likeliest_of, select
 from .stability import Directions, Look, direction_diagrams, looks_of
 from .stabilization import PoleSweep, StabilizationDiagram, ZeroSweep, add_persistent, diagram, join, windows
@@ -107,6 +107,8 @@ def diagrams_of(
         found = _one_by_one(dofs, lines_for, band, options)
     if not options.rule.keep_common and options.formulation != "directions":
         found = without_common(found)
+    if first.least_snr > 0.0:
+        found = of_blind_lines(found, first.freq_hz, first.snr >= first.least_snr)
     for row, (dof, one) in enumerate(found.items()):
         known = np.concatenate([one.identified, one.left_out.freq_hz])
         peaks = unexplained(one.background_freq_hz, one.background, known, first.channel_snr(row))
@@ -388,16 +390,8 @@ def identify_antiresonances(
     step("checking the data")
     checked = _checked(one, excitation, band, averages, options)
     step("fit")
-    diagrams: dict[Any, StabilizationDiagram] = {}
-    for part in parts:
-        if part is not parts[0] and not {*part.dofs} & {*wanted}:
-            continue
-        looks: list[Look] = []
-        if options.formulation == "directions":
-            asked = "formulation" in fit.given
-            looks, options = _looks(one, averages, band, options, part, asked=asked)
-        of_part = fits if part is parts[0] else []
-        diagrams = diagrams_of(part.dofs, part.lines_for, band, options, looks, of_part) | diagrams
+    asked = "formulation" in fit.given
+    diagrams, options = _fitted(one, averages, band, options, parts, fits, wanted, asked=asked)
     diagrams = of_lost_channels(diagrams, checked)
     found = {dof: diagrams[dof] for dof in wanted}
     of_numerators = options.formulation == "numerators"
@@ -419,7 +413,9 @@ def identify_antiresonances(
         behind = independent_averages(averages.spectra)
     if behind is not None:
         tables = {dof: t.with_scores(averages=np.full(len(t), behind)) for dof, t in tables.items()}
-    held_back = {} if misfit is None else {"held_back_misfit": float(f"{misfit:.3g}")}
+    held_back: dict[str, Any] = {} if misfit is None else {"held_back_misfit": float(f"{misfit:.3g}")}
+    if parts[0].silent:
+        held_back["silent"] = [list(dof) for dof in parts[0].silent]
     of_size = options.formulation == "windows" and lines_for(0).size is not None
     return AntiresonanceSet.from_tables(
         excitation,
@@ -430,6 +426,30 @@ def identify_antiresonances(
         channels=channels,
         options={**_made_of(one, band), **options.values(), **held_back},
     )
+
+
+def _fitted(
+    source: Recording | FrequencyResponse,
+    averages: Averages | None,
+    band: tuple[float, float],
+    options: IdentificationOptions,
+    parts: Sequence[_Part],
+    fits: list[Likeliest],
+    wanted: tuple[Any, ...],
+    *,
+    asked: bool,
+) -> tuple[dict[Any, StabilizationDiagram], IdentificationOptions]:
+    """Diagrams of the parts in which something is wanted; ``fits`` are of the first."""
+    diagrams: dict[Any, StabilizationDiagram] = {}
+    for part in parts:
+        if part is not parts[0] and not {*part.dofs} & {*wanted}:
+            continue
+        looks: list[Look] = []
+        if options.formulation == "directions":
+            looks, options = _looks(source, averages, band, options, part, asked=asked)
+        own = fits if part is parts[0] else []
+        diagrams = diagrams_of(part.dofs, part.lines_for, band, options, looks, own) | diagrams
+    return diagrams, options
 
 
 def _made_of(source: Recording | FrequencyResponse, band: tuple[float, float]) -> dict[str, Any]:
@@ -516,6 +536,7 @@ class _Part:
     dofs: tuple[Any, ...]
     lines_for: Callable[[int], Lines]
     directions: Directions = dominant
+    silent: tuple[Any, ...] = ()  # minors of the source that are nothing but noise
 
 
 def _parts(
@@ -540,7 +561,12 @@ def _parts(
     assert averages is not None
     minors = MinorsOfRecord(source, averages, len(excitation))
     return [
-        _Part(tuple(minors.dofs[k] for k in group), minors.lines_of(group), minors.directions_of(group))
+        _Part(
+            tuple(minors.dofs[k] for k in group),
+            minors.lines_of(group),
+            minors.directions_of(group),
+            minors.silent,
+        )
         for group in minors.groups
     ]
 

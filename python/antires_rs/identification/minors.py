@@ -39,10 +39,11 @@ from numpy.typing import NDArray
 from ..exceptions import Argument, UnsuitableDataError, reject
 from ..measured.response_table import Dofs, key_of
 from ..signals.averaging import Averages
+from ..signals.data_check import ROUGH
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..signals.repeats import as_first
-from ..signals.spectra import FLOOR_LINES, LEAST_NOISE, LINES, Segments, pieces
+from ..signals.spectra import FLOOR_LINES, GAIN, LEAST_NOISE, LINES, Segments, pieces, second_differences
 from ..support.checks import ComplexArray, FloatArray
 from .lines import Lines, require_live, unit
 from .stability import Directions
@@ -52,6 +53,9 @@ MOST_FORMED = 200_000  # of more no choice is made
 IN_ONE_FIT, ANCHORS = 64, 12  # rows of one fit; of several fits those that all have, the strongest
 CHOICE_LINES = 64  # lines that tell which minors are strong
 LEAST_SNR = 4.0  # a line below it has no subspace of r dimensions by which a fit may be judged
+# A minor is none if it is not so many times its noise in power, or this share of the typical one, which
+# leaves leakage out. Of minors that are zero the ratio was 0.7 to 0.9, and without noise 2e-4 of the typical.
+LEAST_RATIO, SILENT_SHARE = 10.0, 3e-4
 PASSES = 4  # passes of "subspace, residual noise of each channel, scale"
 LEAST_GAP = 0.25  # a signal eigenvalue counts as no nearer to the noise than this share of itself
 
@@ -245,6 +249,7 @@ class MinorsOfRecord:
     """The minors of a record: their names, and lines of those that are fitted together."""
 
     def __init__(self, rec: Recording, averages: Averages, order: int) -> None:
+        check_channels(len(rec.dofs), order)
         n_averages = averages.spectra.n_averages
         if n_averages <= order:
             got = f"{n_averages} averages of {order} forces"
@@ -259,8 +264,28 @@ class MinorsOfRecord:
             return np.asarray(np.median(np.abs(self._subspaces.minors(rows, some)) ** 2, axis=0))
 
         named = formed(size, rec.dofs, order)
-        self.dofs, self._rows = named.dofs, named.rows
-        self.groups = groups(size(named.rows))
+        heard = np.flatnonzero(self._heard(named.rows, some))
+        if heard.size < 2:
+            got = f"{heard.size} of {len(named.rows)} sets of {order} responses above noise"
+            remedy = "Name as many forces as act, force harder, or add channels."
+            raise UnsuitableDataError("source", got, "two or more, which are compared", remedy)
+        self.dofs, self._rows = tuple(named.dofs[k] for k in heard), named.rows[heard]
+        self.silent = tuple(dof for k, dof in enumerate(named.dofs) if k not in heard)
+        self.groups = groups(size(self._rows))
+
+    def _heard(self, rows: NDArray[np.intp], some: slice) -> NDArray[np.bool_]:
+        """Which minors are more than noise at the median line that tells anything.
+
+        Those of responses that the forces reach through fewer than r paths are zero.
+        """
+        known = 1.0 / self._subspaces.noise[some] >= LEAST_SNR
+        if not known.any():
+            return np.zeros(len(rows), dtype=bool)
+        moved = np.mean(np.abs(self._subspaces.moves(rows, some)) ** 2, axis=2)
+        noise = moved / self._averages.spectra.n_effective
+        ratio = np.abs(self._subspaces.minors(rows, some)) ** 2 / np.maximum(noise, 1e-300)
+        middle = np.median(ratio[known], axis=0)
+        return np.asarray(middle > max(LEAST_RATIO, SILENT_SHARE * float(np.median(middle))))
 
     def lines_of(self, group: NDArray[np.intp]) -> Callable[[int], Lines]:
         """Lines of some minors, made once; for any row the same."""
@@ -318,6 +343,19 @@ class MinorResponse(FrequencyResponse):
         return groups(strength)
 
 
+def _loud(values: ComplexArray) -> NDArray[np.bool_]:
+    """Which minors are more than what damping and errors make of one that is zero."""
+    power = np.abs(values) ** 2
+    share = np.median(power / np.maximum(power.sum(axis=0), 1e-300), axis=1)
+    return np.asarray(share > SILENT_SHARE * float(np.median(share)))
+
+
+def _rough(curve: ComplexArray) -> float:
+    """Noise over power at the median line, whatever the size of the curve beside it."""
+    power = np.maximum(np.abs(curve[1:-1]) ** 2, 1e-300)
+    return float(np.median(second_differences(curve) / power)) / GAIN
+
+
 def minors_of_curves(source: Any, order: int) -> MinorResponse:
     """The minors of a list of r responses."""
     if isinstance(source, MinorResponse):
@@ -339,6 +377,13 @@ def minors_of_curves(source: Any, order: int) -> MinorResponse:
 
     named = formed(size, first.dofs, order)
     values = minors_of(basis, named.rows).T
+    heard = np.flatnonzero(_loud(values) & [bool(one.any()) and _rough(one) < ROUGH for one in values])
+    if heard.size < 2:
+        got = f"{heard.size} of {len(values)} sets of {order} responses that change smoothly"
+        wanted = "two or more, which are compared"
+        raise UnsuitableDataError("source", got, wanted, "Measure with forces at different places.")
+    named = Named(named.rows[heard], tuple(named.dofs[k] for k in heard))
+    values = values[heard]
     std = None
     if all(one.std is not None for one in source):
         of_each = np.stack([one.std[[one.dofs.index(dof) for dof in first.dofs]] for one in source], axis=-1)

@@ -43,7 +43,7 @@ from ..measured.response_table import (
     ResponseTable,
 )
 from ..signals import channel_checks as channels
-from ..signals.one_force import NOISE, ONE_FORCE, UNEXPLAINED, DataCheck
+from ..signals.one_force import NOISE, ONE_FORCE, UNEXPLAINED, DataCheck, forces_named
 from ..signals.spectra import prominent_peaks
 from ..support.checks import ComplexArray, FloatArray
 from .stabilization import PERSISTENT_SNR, StabilizationDiagram, flanked
@@ -136,6 +136,7 @@ LOST = {  #: Fatal findings of channels, or of all of them, and what is said of 
 }
 #: Width about a value, as a share of it, over which eigenvalues are looked at, and never fewer lines.
 BESIDE, LINES_BESIDE = 0.015, 5
+BLIND = "fewer forces than named above noise"  # why a value of several forces is left out
 
 
 def of_lost_channels(
@@ -150,19 +151,40 @@ def of_lost_channels(
     return made
 
 
+def of_blind_lines(
+    found: dict[Any, StabilizationDiagram], freq_hz: FloatArray, known: NDArray[np.bool_]
+) -> dict[Any, StabilizationDiagram]:
+    """Diagrams without values beside which most lines are not ``known``: they hold no direction."""
+    made = {}
+    for dof, one in found.items():
+        here = [bool(np.median(known[_beside(freq_hz, f)]) < 1.0) for f in one.accepted.freq_hz.tolist()]
+        made[dof] = _left_out(one, np.flatnonzero(here), BLIND)
+    return made
+
+
+def _beside(freq_hz: FloatArray, value: float) -> NDArray[np.intp]:
+    """Lines near a value, a few at least."""
+    off = np.abs(freq_hz - value)
+    last = min(LINES_BESIDE, freq_hz.size) - 1
+    return np.flatnonzero(off <= max(BESIDE * value, float(np.partition(off, last)[last])))
+
+
 def with_second(table: ResponseTable, checked: DataCheck | None) -> ResponseTable:
-    """Antiresonances with the second eigenvalue over the first beside each, weak where it is large."""
+    """Antiresonances with the second eigenvalue over the first beside each, weak where it is large.
+
+    Of r forces the one beyond r over that of r.
+    """
     if checked is None or checked.freq_hz is None or checked.second_expected is None:
         return table
     assert checked.eigenvalues is not None
-    share = checked.eigenvalues[:, 1] / np.maximum(checked.eigenvalues[:, 0], 1e-300)
+    order = forces_named(checked.excitation)
+    if checked.eigenvalues.shape[1] <= order:
+        return table
+    share = checked.eigenvalues[:, order] / np.maximum(checked.eigenvalues[:, order - 1], 1e-300)
     fatal = any(one.severity == "fatal" for one in checked.named(ONE_FORCE))
     shares, doubtful = np.empty(len(table)), np.zeros(len(table), dtype=bool)
-    last = min(LINES_BESIDE, checked.freq_hz.size) - 1
     for i, value in enumerate(table.freq_hz):
-        off = np.abs(checked.freq_hz - value)
-        near = np.flatnonzero(off <= max(BESIDE * value, float(np.partition(off, last)[last])))
-        shares[i] = median(share[near].tolist())
+        shares[i] = median(share[_beside(checked.freq_hz, value)].tolist())
         doubtful[i] = fatal or shares[i] > UNEXPLAINED
     grade = np.where(doubtful, "weak", table.scores["grade"]) if "grade" in table.scores else None
     return table.with_scores(second=shares, **({} if grade is None else {"grade": grade}))

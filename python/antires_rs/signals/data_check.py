@@ -143,7 +143,7 @@ def of_recording(
         # What holds only noise must not speak in the other tests.
         frfs = None if frfs is None else frfs[rows]
         seen = evidence(spectra.rows(rows), tuple(live.dofs[p] for p in rows))
-    one = one_force.one_force(seen)
+    one = one_force.one_force(seen, one_force.forces_named(excitation))
     apart = channels.clocks(first, band) if one or lost else []
     if spectra.draws is not None:
         # a structure that changes between repeats looks like a second force.
@@ -355,8 +355,9 @@ def check_data(
     source : Recording or FrequencyResponse, or a list of either
         Time records, or measured responses, for which fewer tests can be made. A list holds repeats of one
         test, whose samples are tested record by record and whose averages together.
-    excitation : int or str, optional
-        Dof at which the single force is said to act. Without it the location is not tested.
+    excitation : int or str, or a list of them, optional
+        Dof at which the single force is said to act, or those of several, whose number is then tested.
+        Without it the location is not tested.
     band_hz : (low, high)
         Band in which antiresonances are wanted.
     nperseg, noverlap, window, method
@@ -386,8 +387,8 @@ def check_data(
     - ``drift``: a resonance that is elsewhere at the end than at the beginning;
     - ``mains_hum``: steady lines at multiples of 50 or 60 Hz, which are taken out;
     - ``resolution``, ``record_length``, ``averages``: lines per half-power bandwidth, and what limits them;
-    - ``one_force``: the second eigenvalue of the spectral matrix against the first, noise and leakage. Two
-      forces that move in proportion are one force in this respect;
+    - ``one_force``: the second eigenvalue of the spectral matrix against the first, noise and leakage; of r
+      places named eigenvalues r and r + 1. Forces that move in proportion are one force in this respect;
     - ``force_location``: zeros and poles of the stated driving point alternate. A dof whose mode shapes have
       the signs of the driving point's in all modes of the band cannot be told from it;
     - ``single_hit``, ``double_hit``, ``missed_hit``: of hammer records.
@@ -405,14 +406,22 @@ def check_data(
     >>> print(finding.severity, finding.name, "|", finding.advice)
     fatal force_location | Dof 0 would fit: check which dof was excited, and the order of the channels.
     """
-    if excitation is not None and (
-        isinstance(excitation, bool) or not isinstance(excitation, int | np.integer | str)
-    ):
-        remedy = "Name the dof as the source does, or leave it out if it is not known."
-        reject("excitation", excitation, "a dof named by an integer or a string, or None", remedy)
+    excitation = _excitation_of(excitation)
     options = Averaging(nperseg, noverlap, window, method).checked()
     one: Recording | FrequencyResponse = one_source(source)
     return judged(one, excitation, band_of(one, band_hz), options)
+
+
+def _excitation_of(given: Any) -> Any:
+    """The place of the force, of several a tuple of them."""
+    places = list(given) if isinstance(given, list | tuple) else [given]
+    named = [isinstance(one, int | np.integer | str) and not isinstance(one, bool) for one in places]
+    if given is not None and not (named and all(named) and len(set(places)) == len(places)):
+        remedy = "Name the dof as the source does, or leave it out if it is not known."
+        reject(
+            "excitation", given, "a dof named by an integer or a string, several in a list, or None", remedy
+        )
+    return given if not isinstance(given, list | tuple) else places[0] if len(places) == 1 else tuple(places)
 
 
 def judged_together(
@@ -448,7 +457,8 @@ def judged(
     averaged, second = seen.eigenvalues is not None, None
     if averaged and len(seen.dofs) > 2:
         # What one force gives with noise and leakage.
-        second = np.maximum(one_force.noise_level(seen), seen.leakage)
+        order = min(one_force.forces_named(excitation), len(seen.dofs) - 2)
+        second = np.maximum(one_force.noise_level(seen, order), seen.leakage_of(order))
     return DataCheck(
         found,
         untested,
@@ -461,4 +471,5 @@ def judged(
         frozen(seen.coherence),
         seen.n_averages if averaged else None,
         seen.nperseg if averaged else None,
+        one_force.forces_seen(seen),
     )

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..support.checks import ComplexArray, FloatArray
 from ..support.values import ReadOnly
@@ -121,8 +122,8 @@ class DataCheck(ReadOnly, Viewed):
         Names of the tests that could not be made, and why.
     dofs : tuple
         The channels whose spectra were used: those that are not constant.
-    excitation : int, str or None
-        The stated dof of the force.
+    excitation : int, str, tuple or None
+        The stated dof of the force, or of several forces.
     band_hz : (low, high)
     freq_hz : (n_freq,) or None
         Lines in the band; None where the data do not allow a spectrum at all.
@@ -137,6 +138,8 @@ class DataCheck(ReadOnly, Viewed):
         Effective number of independent averages.
     nperseg : int or None
         Samples per segment of the spectra, where segments were used.
+    n_forces : int or None
+        How many uncorrelated forces stand above noise and leakage; None where that cannot be told.
 
     Examples
     --------
@@ -158,6 +161,7 @@ class DataCheck(ReadOnly, Viewed):
     coherence: FloatArray | None = None
     n_averages: float | None = None
     nperseg: int | None = None
+    n_forces: int | None = None
 
     @property
     def ok(self) -> bool:
@@ -240,25 +244,40 @@ class Evidence:
     nperseg: int | None = None
     fs_hz: float | None = None
     spread: tuple[float, ...] = HANN_SPREAD  # power that the window puts 0, 1, ... lines beside a tone
+    spectra: tuple[ComplexArray, FloatArray] | None = None  # averages of conj(A) B, and noise of the channels
 
     @cached_property
     def leakage(self) -> FloatArray:
         """Second eigenvalue that the window makes out of one force, (n_freq,)."""
         # a line's matrix is then the sum of the neighbours' vectors, spread as the window spreads power; its
         # eigenvalues are those of the vectors' inner products, which are a smaller matrix.
-        n = self.vectors.shape[0]
-        parts = [self.vectors]
+        return self._spread_by_window(self.vectors[:, None, :])
+
+    def leakage_of(self, order: int) -> FloatArray:
+        """The same eigenvalue beyond ``order`` forces, (n_freq,)."""
+        if order == 1 or self.spectra is None:
+            return self.leakage
+        matrix, noise = self.spectra
+        root = 1.0 / np.sqrt(noise)
+        values, vectors = np.linalg.eigh((matrix * (root[:, None] * root)).conj())
+        size = np.sqrt(np.maximum(values[:, None, -order:], 0.0))
+        return self._spread_by_window((vectors[:, :, -order:] * size).transpose(0, 2, 1))
+
+    def _spread_by_window(self, vectors: ComplexArray) -> FloatArray:
+        """Next eigenvalue of the sum of neighbours' vectors, (n_freq, r, n), as the window spreads power."""
+        n, order = vectors.shape[:2]
+        parts = [vectors]
         for shift, power in enumerate(self.spread[1:], start=1):
             if power > LEAST_SPREAD:
                 for step in (shift, -shift):
-                    moved = np.zeros_like(self.vectors)
-                    moved[max(step, 0) : n + min(step, 0)] = self.vectors[max(-step, 0) : n - max(step, 0)]
+                    moved = np.zeros_like(vectors)
+                    moved[max(step, 0) : n + min(step, 0)] = vectors[max(-step, 0) : n - max(step, 0)]
                     parts.append(np.sqrt(power) * moved)
-        stack = np.stack(parts, axis=1)
-        if stack.shape[1] < 2:
+        stack = np.concatenate(parts, axis=1)
+        if stack.shape[1] <= order:
             return np.zeros(n)
         inner = stack.conj() @ stack.transpose(0, 2, 1)
-        return np.asarray(np.maximum(np.linalg.eigvalsh(inner)[:, -2], 0.0), dtype=np.float64)
+        return np.asarray(np.maximum(np.linalg.eigvalsh(inner)[:, -1 - order], 0.0), dtype=np.float64)
 
 
 def of_spectra(
@@ -292,6 +311,7 @@ def of_spectra(
         nperseg,
         fs_hz,
         _spread(taper),
+        (matrix, noise),
     )
 
 
@@ -367,8 +387,13 @@ UNEXPLAINED = 0.2
 EXCITED = 0.05  # share of the lines that must then rise over the noise for the band to be excited at all
 
 
-def one_force(seen: Evidence) -> CheckResults:
-    """Second eigenvalue against the first, the noise and the leakage."""
+def forces_named(excitation: Any) -> int:
+    """How many forces are said to act: of several a tuple says where."""
+    return len(excitation) if isinstance(excitation, tuple) else 1
+
+
+def one_force(seen: Evidence, order: int = 1) -> CheckResults:
+    """Second eigenvalue against the first, the noise and the leakage; of ``order`` forces the next."""
     n = len(seen.dofs)
     why = ""
     if seen.eigenvalues is None:
@@ -381,13 +406,17 @@ def one_force(seen: Evidence) -> CheckResults:
         why = f"{count}; {LEAST_AVERAGES:g} are needed to tell a second force from noise"
     elif n == 1:
         why = "a single channel has one eigenvalue"
-    elif n == 2 and seen.coherence is not None:
+    elif n == 2 and order == 1 and seen.coherence is not None:
         why = (
             "two channels cannot tell a second force from noise; their coherence is "
             f"{float(np.median(seen.coherence)):.3g} at the median line, and what lacks to one is either"
         )
+    elif n <= order:
+        why = f"{n} channels cannot tell {order} forces from noise; {order + 1} are needed"
     if why or seen.eigenvalues is None:
         return [NotTested(ONE_FORCE, why)]
+    if order > 1:
+        return _several(seen, order)
     first, second = seen.eigenvalues[:, 0], seen.eigenvalues[:, 1]
     share = second / np.maximum(first, 1e-300)
     limit = OVER_NOISE * noise_level(seen)
@@ -404,6 +433,9 @@ def one_force(seen: Evidence) -> CheckResults:
             "Stop the other source (a second shaker, machines, wind, people), or record while only the "
             "known force acts."
         )
+        acting = forces_seen(seen)
+        if acting is not None and 1 < acting < n - 1:
+            advice += f" If {acting} uncorrelated forces act at known places, name all: excitation=[0, 4]."
         severity: Severity = "fatal" if lines > FATAL_LINES and middle > FATAL else "warning"
         return [Finding(ONE_FORCE, severity, (), lines, LINES, text, advice)]
     middle = float(np.median(share))
@@ -428,11 +460,78 @@ def one_force(seen: Evidence) -> CheckResults:
     return []
 
 
-def noise_level(seen: Evidence) -> FloatArray:
-    """Mean second eigenvalue under one force and noise, by line, from the lower ones; (n_freq,)."""
+# -- How many forces act?
+#
+# The same question for every eigenvalue: the next one beyond r stands at so many lines above what r forces,
+# noise and leakage make it that one more force acts. Forces in proportion (two shakers on one signal) are one
+# force here: with r places named, fewer than r dimensions are seen.
+
+
+def _several(seen: Evidence, order: int) -> CheckResults:
+    """Whether ``order`` forces act: not fewer, nor more where a channel beyond them tells of noise."""
     assert seen.eigenvalues is not None
-    rest = running_mean(seen.eigenvalues[:, 2:].mean(axis=1), SMOOTHING)
-    return noise_ratio(len(seen.dofs), seen.n_averages) * rest
+    acting = forces_seen(seen, order + 1)
+    assert acting is not None
+    if acting > order:
+        counts = _stands_out(seen, order)
+        share = float(counts.mean())
+        middle = float(np.median((seen.eigenvalues[:, order] / seen.eigenvalues[:, order - 1])[counts]))
+        text = (
+            f"The responses need more than {order} forces: at {100 * share:.0f} % of the lines the next "
+            "eigenvalue of the spectral matrix stands clear of noise and leakage, at "
+            f"{rounded(100 * middle)} % of that before it (median of these lines)."
+        )
+        advice = "Name the places of all forces that act, or stop the others (machines, wind, people)."
+        severity: Severity = "fatal" if share > FATAL_LINES and middle > FATAL else "warning"
+        return [Finding(ONE_FORCE, severity, (), share, LINES, text, advice)]
+    if acting == order:
+        return []
+    share = float(_stands_out(seen, order - 1).mean())
+    text = (
+        f"{order} places are named, {acting} uncorrelated force{'s are' if acting > 1 else ' is'} seen: "
+        f"eigenvalue {order} of the spectral matrix stands clear of noise and leakage at {100 * share:.0f} % "
+        "of the lines."
+    )
+    advice = (
+        "Name only the places whose forces act. Two shakers on one signal move in proportion: drive them by "
+        "signals of their own, or take turns."
+    )
+    return [Finding(ONE_FORCE, "fatal", (), share, LINES, text, advice)]
+
+
+def forces_seen(seen: Evidence, most: int | None = None) -> int | None:
+    """How many uncorrelated forces stand above noise and leakage, at most ``most``; None without averages.
+
+    A force beyond the first counts if its eigenvalue does at more than 10 % of the lines.
+    """
+    if seen.eigenvalues is None or seen.n_averages < LEAST_AVERAGES:
+        return None
+    n = len(seen.dofs)
+    for count in range(1, min(n - 1, n if most is None else most)):
+        if float(_stands_out(seen, count).mean()) <= LINES:
+            return count
+    return min(n - 1, n if most is None else most)
+
+
+def _stands_out(seen: Evidence, order: int) -> NDArray[np.bool_]:
+    """Lines at which eigenvalue ``order``, counted from 0, is of one more force."""
+    assert seen.eigenvalues is not None
+    own = seen.eigenvalues[:, order]
+    counts = (own > OVER_NOISE * noise_level(seen, order)) & (own > LEAST_SHARE * seen.eigenvalues[:, 0])
+    if counts.any():
+        counts &= own > OVER_LEAKAGE * seen.leakage_of(order)
+    return np.asarray(counts)
+
+
+def noise_level(seen: Evidence, order: int = 1) -> FloatArray:
+    """Mean second eigenvalue under one force and noise, by line, from the lower ones; (n_freq,).
+
+    Under ``order`` forces that of the next.
+    """
+    assert seen.eigenvalues is not None
+    rest = running_mean(seen.eigenvalues[:, order + 1 :].mean(axis=1), SMOOTHING)
+    before = order - 1
+    return noise_ratio(len(seen.dofs) - before, seen.n_averages - before) * rest
 
 
 def noise_ratio(n: int, n_averages: float) -> float:
@@ -489,6 +588,8 @@ def force_location(seen: Evidence, excitation: Any, frfs: ComplexArray | None = 
     """Is the stated dof driven, and if not, which is? ``frfs`` (n, n_freq) where the force was measured."""
     if excitation is None:
         return [NotTested(FORCE_LOCATION, "no excitation was stated")]
+    if isinstance(excitation, tuple):
+        return [NotTested(FORCE_LOCATION, "under several forces no response is that of a driving point")]
     if excitation not in seen.dofs:
         why = f"the response at dof {excitation!r} was not recorded, or holds no signal"
         return [NotTested(FORCE_LOCATION, why)]

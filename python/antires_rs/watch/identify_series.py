@@ -19,7 +19,7 @@ from ..exceptions import InvalidInputError, MissingDependencyError, reject
 from ..identification.identify import of_same_force
 from ..identification.options import declared, flat
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..measured.response_table import ResponseTable, label
+from ..measured.response_table import ResponseTable, force_label
 from ..signals.averaging import is_transient
 from ..signals.recording import Recording
 from ..support.checks import FloatArray, frequency_band, integer
@@ -226,7 +226,7 @@ def identify_series(
       identified     3, with 28 antiresonances
       temperature_c  18 to 21.5
     """
-    excitation = label("excitation", excitation)
+    excitation = force_label("excitation", excitation)
     if isinstance(near, AntiresonanceSet):
         of_same_force(near, excitation)
     elif near is not None:

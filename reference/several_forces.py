@@ -1,0 +1,63 @@
+"""Records of a chain under several uncorrelated forces, and what is found in them against exact roots."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+import antires_rs as ar
+from reference.deleted_pencils import antiresonances_hz
+
+#: A value this far from an exact one, as a share of it, is that one.
+SAME = 0.01
+
+
+def record_of(model, forces, duration_s, noise, rng, *, fs_hz=400.0, damping_ratio=0.01, levels=None):
+    """Responses of all dofs to forces of their own spectra, ``levels`` the amplitude of each."""
+    rng = np.random.default_rng(rng)
+    how = {"fs_hz": fs_hz, "duration_s": duration_s, "damping_ratio": damping_ratio, "rng": rng}
+    each = [model.simulate(excitation=place, **how).responses for place in forces]
+    x = np.tensordot(np.ones(len(each)) if levels is None else np.asarray(levels), np.stack(each), 1)
+    x = x + noise * x.std(axis=1, keepdims=True) * rng.standard_normal(x.shape)
+    return ar.Recording(x, fs_hz)
+
+
+@dataclass
+class Verdict:
+    """Counts over a set, deviations of what was found in stated standard deviations, and what was not."""
+
+    there: int
+    found: int
+    false: int
+    deviations: np.ndarray
+    off: np.ndarray  # relative
+    missed: list
+    invented: list
+
+    @property
+    def held(self):
+        """Share of the 90 % intervals that hold the exact value."""
+        return float(np.mean(np.abs(self.deviations) < 1.645))
+
+
+def verdict(zeros, stiffness, mass, band_hz):
+    """What a set of several forces has of the exact roots; minors that are zero everywhere have none."""
+    low, high = band_hz
+    there = found = 0
+    deviations, off, missed, invented = [], [], [], []
+    for pair, got in zeros.items():
+        exact = antiresonances_hz(stiffness, mass, list(pair), list(zeros.excitation))
+        exact = np.empty(0) if exact is None else exact
+        inside = exact[(exact > low) & (exact < high)]
+        there += inside.size
+        for value in inside.tolist():
+            distance = np.abs(got / value - 1.0)
+            if not distance.size or distance.min() > SAME:
+                missed.append((pair, value))
+                continue
+            found, at = found + 1, int(distance.argmin())
+            off.append(got[at] / value - 1.0)
+            deviations.append((got[at] - value) / zeros.tables[pair].std_hz[at])
+        invented += [(pair, f) for f in got.tolist() if np.abs(exact / f - 1.0).min(initial=1.0) > SAME]
+    return Verdict(there, found, len(invented), np.array(deviations), np.array(off), missed, invented)

@@ -1,0 +1,219 @@
+"""Several unknown forces: minors, their noise, how many act, and what is found of exact roots."""
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.identification import minors
+from antires_rs.identification.minors import Subspaces, minors_of, subspace, tangents
+from antires_rs.signals.spectra import Segments
+from reference.deleted_pencils import antiresonances_hz
+from reference.several_forces import record_of, verdict
+
+BAND = (3.0, 130.0)
+CHAIN = ar.cases.chain8().model
+STIFFNESS, MASS = (np.asarray(a) for a in (CHAIN.stiffness(), CHAIN.mass()))
+
+
+def quiet(record, excitation, **options):
+    return ar.identify_antiresonances(record, excitation=excitation, band_hz=BAND, check="off", **options)
+
+
+@pytest.fixture(scope="module")
+def record():
+    return record_of(CHAIN, (0, 4), 240.0, 0.01, 3)
+
+
+@pytest.fixture(scope="module")
+def zeros(record):
+    return ar.identify_antiresonances(record, excitation=[4, 0], band_hz=BAND, check="raise")
+
+
+def rows_of(n, order):
+    from itertools import combinations
+
+    return np.array(list(combinations(range(n), order)))
+
+
+# -- Minors and their noise
+
+
+@pytest.mark.parametrize(("n", "order"), [(6, 2), (6, 3), (7, 4)])
+def test_minors_and_what_moves_them_are_orthonormal(n, order):
+    rng = np.random.default_rng(n)
+    basis = np.linalg.qr(rng.standard_normal((n, n)) + 1j * rng.standard_normal((n, n)))[0][None]
+    rows = rows_of(n, order)
+    own = minors_of(basis[..., :order], rows)
+    moves = tangents(basis[..., :order], basis[..., order:], rows).reshape(1, len(rows), -1)
+    together = np.concatenate([own[..., None], moves], axis=2)[0]
+    assert np.abs(together.conj().T @ together - np.eye(together.shape[1])).max() < 1e-12
+
+
+def test_minors_of_receptances_have_lost_forces_and_resonances():
+    """Ratios of the minors of H[:, J] are those of the deleted determinants, by Jacobi's identity."""
+    w2 = (2 * np.pi * 40.0) ** 2
+    dynamic = STIFFNESS - w2 * MASS
+    columns = np.linalg.inv(dynamic)[:, [0, 4]] @ np.array([[1.0, 2.0 - 1j], [0.3j, 1.5]])
+    rows = rows_of(8, 2)
+    own = minors_of(columns[None], rows)[0]
+    deleted = np.array([np.linalg.det(np.delete(np.delete(dynamic, pair, 0), [0, 4], 1)) for pair in rows])
+    signs = np.array([(-1.0) ** (pair.sum()) for pair in rows])
+    heard = np.abs(deleted) > 1e-9 * np.abs(deleted).max()
+    ratio = own[heard] / (signs * deleted)[heard]
+    assert np.abs(ratio / ratio[0] - 1.0).max() < 1e-9
+    assert np.abs(own[~heard]).max() < 1e-9 * np.abs(own).max()
+
+
+@pytest.mark.parametrize("order", [2, 3])
+def test_noise_of_minors_is_that_of_many_records(order):
+    """The scatter of minors over many averaged matrices is what the segments of each state."""
+    n, count, trials = 6, 200, 2000
+    rng = np.random.default_rng(order)
+    signal = np.linalg.qr(rng.standard_normal((n, order)) + 1j * rng.standard_normal((n, order)))[0]
+    size = np.array([60.0, 25.0, 12.0])[:order]
+    shape = (trials, order, count)
+    s = (rng.standard_normal(shape) + 1j * rng.standard_normal(shape)) / np.sqrt(2)
+    x = (signal * size) @ s
+    x += (rng.standard_normal(x.shape) + 1j * rng.standard_normal(x.shape)) / np.sqrt(2)
+    segments = Segments.of(x)
+    values, vectors = subspace(segments.matrix, np.ones(n))
+    some = Subspaces(np.arange(float(trials)), values, vectors, segments, order)
+    rows = rows_of(n, order)
+    true = minors_of(signal[None], rows)[0]
+    own = some.minors(rows)
+    along = own @ true.conj()
+    error = own * (along.conj() / np.abs(along))[:, None] - true
+    moves = some.moves(rows, slice(None))
+    assert np.abs(moves.mean(axis=2)).max() < 1e-9
+    stated = np.mean(np.abs(moves) ** 2, axis=2).mean(axis=0) / count
+    assert np.abs(np.mean(np.abs(error) ** 2, axis=0) / stated - 1.0).max() < 0.12
+    total = some.noise.mean() * order * (n - order) / count
+    assert np.mean(np.sum(np.abs(error) ** 2, axis=1)) == pytest.approx(total, rel=0.05)
+
+
+# -- What is found
+
+
+def test_two_forces_of_unknown_spectra(zeros):
+    said = verdict(zeros, STIFFNESS, MASS, BAND)
+    assert zeros.excitation == (0, 4)
+    assert zeros.channels == tuple(range(8))
+    assert zeros.sees == "transmissibility"
+    assert said.there == 70
+    assert said.found >= 66
+    assert said.false <= 1
+    assert np.median(np.abs(said.off)) < 3e-4
+    assert 0.75 <= said.held <= 0.99
+
+
+def test_responses_behind_one_force_have_no_minor(zeros):
+    """Beyond mass 4 both forces arrive through it, so that two responses there hold one unknown."""
+    silent = {(i, k) for i in range(4, 8) for k in range(i + 1, 8)}
+    assert {
+        pair for pair in rows_of_sets() if antiresonances_hz(STIFFNESS, MASS, list(pair), [0, 4]) is None
+    } == silent
+    assert not silent & set(zeros)
+    assert {tuple(pair) for pair in zeros.options["silent"]} == silent
+
+
+def rows_of_sets():
+    return {tuple(pair) for pair in rows_of(8, 2).tolist()}
+
+
+def test_sets_of_responses_are_named_in_any_order(record):
+    some = quiet(record, [0, 4], dofs=[(5, 1), [2, 3]])
+    assert list(some) == [(1, 5), (2, 3)]
+    with pytest.raises(ar.InvalidInputError, match="2 responses for 2 forces"):
+        quiet(record, [0, 4], dofs=[1])
+
+
+def test_one_place_in_a_list_is_one_force():
+    record = record_of(CHAIN, (0,), 60.0, 0.01, 1)
+    assert quiet(record, [0]) == quiet(record, 0)
+
+
+def test_parts_agree_with_one_fit(record, zeros, monkeypatch):
+    monkeypatch.setattr(minors, "IN_ONE_FIT", 14)
+    monkeypatch.setattr(minors, "ANCHORS", 6)
+    parts = quiet(record, [0, 4])
+    assert set(parts) == set(zeros)
+    said = verdict(parts, STIFFNESS, MASS, BAND)
+    assert said.found >= 64
+    assert said.false <= 2
+
+
+def test_values_are_followed(record, zeros):
+    again = quiet(record_of(CHAIN, (0, 4), 240.0, 0.01, 4), [0, 4], near=zeros)
+    assert sum(map(len, again.values())) >= 0.9 * sum(map(len, zeros.values()))
+    with pytest.raises(ar.InvalidInputError, match="near"):
+        quiet(record, [0, 3], near=zeros)
+
+
+def frfs(place, freq_hz, kind):
+    values = CHAIN.frf(list(range(8)), place, freq_hz, damping_ratio=0.01)
+    std = np.broadcast_to(1e-4 * np.abs(values).mean(axis=1, keepdims=True), values.shape)
+    rng = np.random.default_rng(place)
+    values = values + std * (rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape))
+    if kind == "frf":
+        return ar.FrequencyResponse(freq_hz, values, std=std)
+    return ar.FrequencyResponse(freq_hz, values / values[2], kind="transmissibility", reference=2)
+
+
+@pytest.mark.parametrize("kind", ["frf", "transmissibility"])
+def test_curves_measured_one_force_after_the_other(kind):
+    freq_hz = np.arange(1, 1200) * 0.125
+    columns = [frfs(place, freq_hz, kind) for place in (0, 4)]
+    found = quiet(columns, [0, 4])
+    said = verdict(found, STIFFNESS, MASS, BAND)
+    assert said.found >= 0.9 * said.there > 60
+    assert said.false <= 2
+    assert found.sees == kind
+    assert found.channels == tuple(range(8))
+
+
+# -- How many act
+
+
+def test_the_number_of_forces_is_told():
+    for forces, levels in (((0,), [1.0]), ((0, 4), [1.0, 0.1]), ((0, 3, 6), [1.0, 1.0, 0.1])):
+        record = record_of(CHAIN, forces, 200.0, 0.02, 5, levels=levels)
+        checked = ar.check_data(record, excitation=list(forces), band_hz=BAND)
+        assert checked.n_forces == len(forces)
+        assert checked.ok
+
+
+@pytest.mark.parametrize(
+    ("acting", "named", "said"),
+    [
+        ((0, 4), 0, r"name all: excitation=\[0, 4\]"),
+        ((0, 3, 6), [0, 4], "need more than 2 forces"),
+        ((0,), [0, 4], "1 uncorrelated force is seen"),
+    ],
+)
+def test_the_wrong_number_is_told(acting, named, said):
+    record = record_of(CHAIN, acting, 120.0, 0.01, 6)
+    checked = ar.check_data(record, excitation=named, band_hz=BAND)
+    assert checked.fatal
+    assert said.replace("\\", "") in str(checked)
+
+
+def test_the_wrong_number_gives_no_confident_answer():
+    record = record_of(CHAIN, (0, 3, 6), 120.0, 0.01, 6)
+    with pytest.warns(ar.AntiresWarning, match="one_force"):
+        found = ar.identify_antiresonances(record, excitation=[0, 4], band_hz=BAND)
+    assert {str(grade) for table in found.tables.values() for grade in table.scores["grade"]} == {"weak"}
+
+
+def test_what_cannot_be_is_refused(record):
+    few = ar.Recording(record.responses[:2], record.fs_hz)
+    with pytest.raises(ar.UnsuitableDataError, match="at least 3 channels"):
+        quiet(few, [0, 4])
+    with pytest.raises(ar.InvalidInputError, match="^estimator"):
+        quiet(record, [0, 4], estimator="h1")
+    with pytest.raises(ar.InvalidInputError, match="^route"):
+        quiet(record, [0, 4], route="frf")
+    with pytest.raises(ar.InvalidInputError, match="same dof twice"):
+        quiet(record, [0, 0])
+    curves = [frfs(0, np.arange(1, 600) * 0.25, "frf")] * 3
+    with pytest.raises(ar.InvalidInputError, match="3 FrequencyResponses for 2 forces"):
+        quiet(curves, [0, 4])
