@@ -163,7 +163,7 @@ def _level(values: Any) -> FloatArray:
 def dof_name(model: StructuralModel, dof: Any) -> str:
     """A dof as the tables name it, or several of them."""
     if isinstance(dof, tuple):
-        return ", ".join(dof_name(model, one) for one in dof)
+        return " and ".join(dof_name(model, one) for one in dof)
     return str(model.dof_name(dof)) if hasattr(model, "dof_name") else f"dof {dof}"
 
 

@@ -325,6 +325,12 @@ def identify_antiresonances(
     fits see and do not accept is ``.left_out`` with the reason; peaks of the curve behind a diagram that
     nothing explains are ``.unexplained_hz``.
 
+    Of r unknown forces the antiresonances of order r are identified, by sets of r responses
+    (:mod:`~antires_rs.identification.minors`), from records of all forces at once, or from a list of r
+    responses, one measured with each force. ``options["silent"]`` names sets whose minor is not above noise;
+    values where fewer than r forces stand above noise are left out. A number of forces that the data check
+    finds to be another leaves no value above "weak".
+
     An antiresonance that *all* of three or more channels share is not one of the responses: it is the zero
     beside the pole of a mode that the force hardly excites (a force near a node, a local or sideways mode),
     and is left out.
