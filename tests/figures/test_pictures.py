@@ -25,6 +25,7 @@ PICTURES = {  #: Every public picture: the units in its labels.
     "hypotheses": ("Probability", ""),
     "frame": ("(m)", "(m)"),
     "chain": ("", ""),
+    "mesh": ("view", ""),
     "convergence": ("(-)", "(-)"),
     "comparison": ("(Hz)", "(%)"),
     "identifiability": ("%", ""),

@@ -7,6 +7,7 @@ import numpy as np
 import antires_rs as ar
 from antires_rs.signals.data_check import check_data
 from tests.support.four_masses import BAND, SPRINGS, chain, exact, identified, record
+from tests.support.meshed import meshed_chain
 
 
 @cache
@@ -47,6 +48,7 @@ def given():
         "hypotheses": (found.hypotheses, {}),
         "frame": (frame, {1: 0.4}, {}),
         "chain": (chain(), found.severity, {}),
+        "mesh": (meshed_chain(), {4: 55.0}, {"excitation": 0}),
         "comparison": (ar.compare(*sets), {}),
         "identifiability": (known, {}),
         "plan": (ar.plan_test(chain(), n_sensors=2, excitations=0), {}),
