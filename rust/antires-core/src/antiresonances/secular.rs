@@ -40,7 +40,7 @@ use crate::modal::receptance::{Pattern, Receptance};
 const INFINITY_RATIO: f64 = 1e16;
 
 /// Beyond this multiple of the last pole, what drowns in rounding is infinite.
-const FAR_RATIO: f64 = 16.0;
+pub(super) const FAR_RATIO: f64 = 16.0;
 
 /// Terms of the series between poles, and beyond the last one where f falls off.
 const NEAR_ORDER: usize = 5;
