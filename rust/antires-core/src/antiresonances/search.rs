@@ -195,7 +195,9 @@ impl<'a, 'm> Search<'a, 'm> {
         }
         let mut isolated = Vec::new();
         let mut certainty = secular::roots(h, 0.0, ceiling, &mut isolated, scratch);
-        if series.is_open() {
+        // Far beyond the last pole the minor is small against what spreading changes: the pencil has to tell.
+        let far = h.poles.last().is_some_and(|last| ceiling > secular::FAR_RATIO * last);
+        if series.is_open() || far && !series.groups().is_empty() {
             certainty = Certainty::Doubtful;
         }
         for group in series.groups().iter().filter(|group| inside(group.lambda())) {

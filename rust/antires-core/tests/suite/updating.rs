@@ -14,9 +14,9 @@ use crate::common::chain8::{
 /// Exact zeros, each shifted by a fixed pattern of up to `error`, as an identification would.
 fn targets(model: &Model, error: f64) -> Vec<Target> {
     let query = Query { route: Route::Pencil, f_max_hz: f64::INFINITY, include_cancelled: false };
-    let dofs: Vec<usize> = (0..8).collect();
+    let ends: Vec<_> = (0..8).map(|dof| (dof, 0).into()).collect();
     let mut count = 0;
-    antiresonances(model, &dofs, 0, &query)
+    antiresonances(model, &ends, &query)
         .unwrap()
         .into_iter()
         .enumerate()
