@@ -6,7 +6,7 @@ know to 0.5 %, "false" is of all found, "held" the 90 % intervals that hold. Num
 last force 20 dB below the others or not. Wrong: one place too many or too few is named; "confident" values
 are not graded weak. Speed: 8 channels, 256 s, order 2 over order 1, the least of some runs.
 
-    python -m benchmarks.several_forces                          # about half an hour
+    python -m benchmarks.several_forces                          # about an hour
     python -m benchmarks.several_forces --seeds 1 --only found
 """
 

@@ -502,7 +502,9 @@ def _several(seen: Evidence, order: int) -> CheckResults:
 def forces_seen(seen: Evidence, most: int | None = None) -> int | None:
     """How many uncorrelated forces stand above noise and leakage, at most ``most``; None without averages.
 
-    A force beyond the first counts if its eigenvalue does at more than 10 % of the lines.
+    A force beyond the first counts if its eigenvalue does at more than 10 % of the lines. One, two and three
+    forces, the last 20 dB below the first or not, were told apart in 120 of 120 records of a chain with 1 and
+    5 % of noise (``benchmarks/several_forces.py``).
     """
     if seen.eigenvalues is None or seen.n_averages < LEAST_AVERAGES:
         return None
