@@ -166,8 +166,7 @@ print(len(found), all(each == found[0] for each in found), len(found[0]))
 
 # -- What has left says what is used now
 @pytest.mark.parametrize(
-    ("module", "name"),
-    [("figures", "data_of"), ("figures", "plot_transmissibility"), ("io", "mat_arrays")],
+    ("module", "name"), [("figures", "data_of"), ("figures", "plot_transmissibility"), ("io", "mat_arrays")]
 )
 def test_a_name_that_has_left_is_told(module, name):
     with pytest.raises(AttributeError, match=f"{name} has left: "):
