@@ -16,7 +16,7 @@ have one in its place, that is
   a line of the force or a mode that it hardly excites, makes none;
 - or in more fits, and off the axis by more than its scatter; of decays in fewer the further off it is. A zero
   beside a resonance or on a slope hardly dips, but turns the phase; roots of the noise of a line do not. Nor
-  do those of a mode that the force hardly excites, in many responses of a decay at once: off the axis, these
+  do those of a mode that the force hardly excites, in many responses of one decay at once: off the axis, these
   confirm one another, unless they lie at twice the frequency of a strong vibration, as its harmonic.
 
 Two values between which the response does not rise are one, unless most fits must have both.
@@ -82,9 +82,8 @@ class Look:
 
     ``vectors`` (n_views, n_freq, n_rows) are of unit norm at every line, the first as measured; in the others
     a row may be zero, that of a channel left out. Where the first is alone, noise as large as what the fits
-    leave perturbs it. ``noise`` (n_freq, n_rows) is the least noise power of the first. Looks of
-    ``own_range``
-    are for different frequencies. ``strong_hz`` are the frequencies at which a decay is strongest.
+    leave perturbs it. ``noise`` (n_freq, n_rows) is the least noise power of the first. Looks at
+    ``n_hits`` decays are for different frequencies; ``strong_hz`` are those at which they are strongest.
     """
 
     freq_hz: FloatArray
@@ -92,7 +91,7 @@ class Look:
     weights: FloatArray
     noise: FloatArray
     decay_per_s: float = 0.0
-    own_range: bool = False
+    n_hits: int = 0
     strong_hz: FloatArray = field(default_factory=lambda: np.empty(0))
 
 
@@ -243,7 +242,7 @@ def _of_decays(
     floor = own_noise / np.maximum(largest, 1e-300)[:, None]
     weights = snr / (1.0 + snr / SNR_CAP)
     strong = freq[some][largest >= STRONG * largest.max()]
-    return Look(freq[some], stacked, weights, floor, decay, own_range=True, strong_hz=strong)
+    return Look(freq[some], stacked, weights, floor, decay, n_hits=len(each), strong_hz=strong)
 
 
 # -- Candidates and their shares
@@ -262,7 +261,7 @@ MENTIONED_DB = 7.0  # what rises less is not even mentioned
 #: How far above ``min_share`` a share must be without a dip: of decays ``OFF_AXIS`` and so many scatters off
 #: the axis; of segments, which leak off it; and where all others have it too, as a harmonic, within the last.
 WITHOUT_DIP, FAR_OFF, OF_SEGMENTS, IN_COMPANY, BESIDE = (0.3, 0.1), 4.0, 0.25, 0.3, 0.01
-#: Of decays: scatters off the axis from which, and from which on wholly, values of several responses in one
+#: Of one decay: scatters off the axis from which, and from where wholly, values of several responses in one
 #: place are a mode that the force hardly excites, no line; more than half of the others confirm them.
 CLEAR, CONFIRMED = (1.0, 1.5), (0.5, 0.6)
 #: A root in an exponential window no further from the axis of that than the window's own decay may follow the
@@ -326,7 +325,7 @@ def direction_diagrams(
     sightings = [_sightings(one, band_hz) for one in surveyed]
     step("perturbed fits")
     judged = _judged(surveyed, sightings, n_responses)
-    why = reasons(judged, options.rule, n_responses, decays=looks[0].own_range)
+    why = reasons(judged, options.rule, n_responses, n_hits=looks[0].n_hits)
     found, refused = _apart(judged[why == ""], surveyed, options.rule.min_share), judged[why != ""]
     why = why[why != ""]
     seen = np.concatenate([one.zeros for one in sightings])
@@ -378,7 +377,7 @@ def _judged(surveyed: list[_Surveyed], sightings: list[_Sightings], n_rows: int)
         if max(_rise_db(one, row, value) for one in surveyed) >= MENTIONED_DB
     ]
     seen = [_perturbed(one, places, rng) for one in surveyed]
-    own_range = surveyed[0].look.own_range
+    own_range = surveyed[0].look.n_hits > 0
     strong_hz = np.concatenate([one.look.strong_hz for one in surveyed])
     rows = []
     for i, (row, _) in enumerate(places):
@@ -420,13 +419,14 @@ def false_values(share: FloatArray, on_average: float, places: float) -> FloatAr
     return np.asarray(np.minimum(chance, on_average / share))
 
 
-def reasons(found: NDArray[np.void], rule: FitOptions, n_rows: int, *, decays: bool) -> NDArray[np.str_]:
-    """Why candidates, of decays or of segments, are not accepted, (n,); empty for those that are."""
+def reasons(found: NDArray[np.void], rule: FitOptions, n_rows: int, *, n_hits: int) -> NDArray[np.str_]:
+    """Why candidates, of so many decays or of segments, are not accepted, (n,); empty for those that are."""
     share, off = found["share"], found["off_axis"]
-    more = np.interp(off, (OFF_AXIS, FAR_OFF), WITHOUT_DIP) if decays else np.full(off.shape, OF_SEGMENTS)
+    more = np.interp(off, (OFF_AXIS, FAR_OFF), WITHOUT_DIP) if n_hits else np.full(off.shape, OF_SEGMENTS)
     company = _company(found[found["share"] >= rule.min_share], found, n_rows)
-    # The harmonic of a strong vibration, by what a sensor or its amplifier does, is off the axis as well.
-    clear = np.interp(off, CLEAR, (0.0, 1.0)) * ~found["harmonic"] if decays else np.zeros(off.shape)
+    # Off the axis as well are the harmonic of a strong vibration, by what a sensor or its amplifier does, and
+    # what differs between hits in different places.
+    clear = np.interp(off, CLEAR, (0.0, 1.0)) * ~found["harmonic"] if n_hits == 1 else np.zeros(off.shape)
     needed = rule.min_share + IN_COMPANY * company * (1.0 - clear)
     more *= 1.0 - clear * np.interp(company, CONFIRMED, (0.0, 1.0))
     return np.select(
@@ -583,7 +583,7 @@ def _perturbed(
         rows = sorted({places[i][0] for i in some})
         there = np.any(views != 0.0, axis=1)
         left = [float(np.median(local.misfit[order])) for order in orders]
-        most = UNDERFIT * left[-1] if look.own_range else np.inf
+        most = UNDERFIT * left[-1] if look.n_hits else np.inf
         for order in (order for order, own in zip(orders, left, strict=True) if own <= most):
             freq, damping = moved(local.zeros(order, rows)[1:], look.decay_per_s)
             for i in some:
