@@ -16,7 +16,7 @@ have one in its place, that is
   a line of the force or a mode that it hardly excites, makes none;
 - or in more fits, and off the axis by more than its scatter; of decays in fewer the further off it is. A zero
   beside a resonance or on a slope hardly dips, but turns the phase; roots of the noise of a line do not. Nor
-  do those of a mode that the force hardly excites, in many responses of one decay at once: off the axis, these
+  do those of a mode that the force hardly excites, in many responses of one decay at once: off the axis they
   confirm one another, unless they lie at twice the frequency of a strong vibration, as its harmonic.
 
 Two values between which the response does not rise are one, unless most fits must have both.
