@@ -184,9 +184,9 @@ def updating() -> None:
         "tower": (
             frame,
             ar.stiffness_factor(range(len(frame.default_elements)), bounds=(0.8, 1.2))[:12],
-            sensors[::3],
-            (sensors[4], sensors[-1]),
-            (20.0, 300.0),
+            sensors[::2],
+            (sensors[0], sensors[-1]),
+            (20.0, 420.0),
         ),
     }
     for name, (model, parameters, dofs, forces, band) in cases.items():
