@@ -122,7 +122,7 @@ def slopes() -> None:
         change = (8.0 * (high - low) - (high2 - low2)) / (12.0 * step * hz)
         worst = max(worst, float(np.max(np.abs(change - found[:, p]) / np.abs(found).max(axis=1))))
     print(
-        f"slopes: {found.size} derivatives of {hz.size} roots, largest error {worst:.1e} of the largest slope of its root"
+        f"slopes: {found.size} derivatives of {hz.size} roots, error up to {worst:.1e} of the largest of a root"
     )
 
 
