@@ -121,9 +121,7 @@ def slopes() -> None:
         low2, low, high, high2 = (state[1] for state in core.states(rows, False, 1))
         change = (8.0 * (high - low) - (high2 - low2)) / (12.0 * step * hz)
         worst = max(worst, float(np.max(np.abs(change - found[:, p]) / np.abs(found).max(axis=1))))
-    print(
-        f"slopes: {found.size} of {hz.size} roots, largest error {worst:.1e} of the largest slope of its root"
-    )
+    print(f"slopes: {found.size} derivatives of {hz.size} roots, largest relative error {worst:.1e}")
 
 
 def speed() -> None:
