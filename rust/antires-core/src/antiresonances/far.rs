@@ -5,7 +5,6 @@
 //! The factors of K − xM keep its sign: it is asked at points a fixed ratio apart, and a change of it is a root.
 
 use super::placement::{Placed, place};
-use super::search::Found;
 use super::secular::{Certainty, FAR_RATIO, INFINITY_RATIO};
 use crate::modal::minor::Ends;
 use crate::modal::receptance::Receptance;
@@ -23,13 +22,13 @@ const HALVINGS: usize = 20;
 /// Farthest that it may go, relatively.
 const NEAR: f64 = 1e-4;
 
-/// Adds those of `h` up to `ceiling` to `found`; doubtful where the structure is too small for factors.
+/// Hands those of `h` up to `ceiling` to `take`; doubtful where the structure is too small for factors.
 pub(super) fn add_roots(
     solved: &mut Solved<'_>,
     ends: &Ends,
     h: &Receptance,
     ceiling: f64,
-    found: &mut Found,
+    mut take: impl FnMut(Placed),
 ) -> Certainty {
     let massless = solved.dense_in_hand().is_some_and(|all| all.eigenvalues().len() < solved.n_dof());
     let last = h.poles.last().copied().unwrap_or_default();
@@ -47,10 +46,9 @@ pub(super) fn add_roots(
             if let Some((low, was)) = before
                 && was != positive
                 && let Some(root) = root_between(solved, ends, (low, x), was)
-                && !found.has(root)
                 && root.x <= ceiling
             {
-                found.prove(root.x);
+                take(root);
             }
             before = Some((x, positive));
         }

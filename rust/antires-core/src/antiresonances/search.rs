@@ -107,7 +107,11 @@ impl<'a, 'm> Search<'a, 'm> {
         match self.isolate((0.0, ceiling), Series::Dense) {
             Certainty::Proven => {
                 let Memory { receptance, found, .. } = &mut *self.memory;
-                Ok(far::add_roots(self.solved, &self.ends, receptance, ceiling, found))
+                Ok(far::add_roots(self.solved, &self.ends, receptance, ceiling, |root| {
+                    if !found.has(root) {
+                        found.prove(root.x);
+                    }
+                }))
             }
             Certainty::Doubtful => Ok(self.divided(ceiling)),
         }
