@@ -9,6 +9,7 @@ See ARCHITECTURE.md for the map of the package, and :mod:`antires_rs.cases` for 
 """
 
 import re as _re
+from _thread import RLock as _RLock
 from importlib import import_module as _import_module
 from pkgutil import get_data as _get_data
 
@@ -20,6 +21,8 @@ _IMPORTS = _re.compile(r"^from \.([\w.]+) import (\([^)]*\)|.*)", _re.MULTILINE)
 _STUB = (_get_data(__name__, "__init__.pyi") or b"").decode()
 _HOME = {name: home for home, names in _IMPORTS.findall(_STUB) for name in _re.findall(r"\w+", names)}
 del _HOME["__version__"]
+# Of two threads that import modules of one room at once one may see the other's half-made.
+_LOCK = _RLock()
 # Modules to be found by completion; every other module is an attribute as well.
 _MODULES = ("cases", "exceptions", "figures", "io")
 
@@ -28,13 +31,15 @@ __all__ = sorted([*_HOME, "__version__", "cases"])
 
 def __getattr__(name: str) -> object:
     if name in _HOME:
-        found: object = getattr(_import_module(f"{__name__}.{_HOME[name]}"), name)
+        with _LOCK:
+            found: object = getattr(_import_module(f"{__name__}.{_HOME[name]}"), name)
         globals()[name] = found
         return found
     if not name.startswith("__"):
         module = f"{__name__}.{name}"
         try:
-            return _import_module(module)
+            with _LOCK:
+                return _import_module(module)
         except ModuleNotFoundError as exc:
             if exc.name != module:  # one that the module itself asks for
                 raise

@@ -59,7 +59,7 @@ def test_one_damage_is_found_and_an_intact_structure_is_not_accused(count, seed)
     assert few_values(seed, {seed % 6: 0.3}, count).damaged == [seed % 6]
     single = few_values(320, {2: 0.3}, 1)
     assert max(single.probability.values()) < 0.9
-    assert any(note.startswith("Only ") for note in single.notes)
+    assert any(note.startswith("1 value cannot locate damage.") for note in single.notes)
 
 
 def test_without_a_partner_for_any_value_there_is_no_chi_square(tmp_path):

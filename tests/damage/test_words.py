@@ -189,7 +189,7 @@ def test_supersets_whose_further_elements_lose_nothing_are_the_smaller_set():
     assert without_idle(whole) is whole  # a whole percent is told
 
 
-NOTES = [(assessed(ONE, (4,), n_values=2, n_matched=2), "Only 2 values are compared, 1 more than")]
+NOTES = [(assessed(ONE, (4,), n_values=2, n_matched=2), "2 values cannot locate damage.")]
 NOTES += [(assessed(ONE, (4,), chi_square=9.0), "reduced chi-square 9.0")]
 NOTES += [
     (

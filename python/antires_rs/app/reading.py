@@ -377,7 +377,7 @@ def read_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
 def measured_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
     """Read and identify every [data] of a job."""
     measured = [each.identified() for each in read_of(job, model)]
-    if model is not None and not any(values.size for each in measured for values in each.found.values()):
+    if model is not None and measured and not any(f.size for each in measured for f in each.found.values()):
         low, high = job.data[0].get("band_hz", (0.0, 0.0))
         seen = measured[0].found.data_check
         noise = seen is not None and {"dead_channel", "signal_to_noise"} & {f.name for f in seen.findings}

@@ -52,7 +52,7 @@ def plot_mesh(
     shape: Any = None,
     label: str = "Value by group",
 ) -> Any:
-    """Draw the mesh of a model, seen isometrically; :func:`write_mesh` makes a page where it can be turned.
+    """Draw the mesh of a model, seen isometrically; :func:`~antires_rs.figures.write_mesh` makes a page where it can be turned.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def write_mesh(
 ) -> Path:
     """Write a page with the mesh, to be turned in any browser: one file that asks nothing of any network.
 
-    ``modes``, a :class:`ModalSet` of all dofs of the model, are shown moving; the rest is as in
+    ``modes``, a :class:`~antires_rs.ModalSet` of all dofs of the model, are shown moving; the rest is as in
     :func:`plot_mesh`.
 
     Examples

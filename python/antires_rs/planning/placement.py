@@ -290,6 +290,11 @@ class Several:
         """How many may get a sensor."""
         return self.each[0].n_candidates
 
+    @property
+    def sets(self) -> IntArray | None:
+        """Candidates of each response of several forces, (c, r)."""
+        return self.each[0].sets
+
     def worth(self, chosen: Sequence[int], criterion: str) -> float:
         """Worth of a set of candidates; the larger the better."""
         return float(self.worths(np.array([chosen], dtype=np.intp), criterion)[0])
@@ -436,7 +441,7 @@ def _promising(
     information: Several, criterion: str, kept: list[int], outside: list[int], size: int, least: float
 ) -> list[tuple[int, ...]]:
     """What may join the kept ones and be worth more than ``least``: one or two, these by what each adds."""
-    if size == 1 or information.each[0].sets is not None or criterion != "determinant" or not kept:
+    if size == 1 or information.sets is not None or criterion != "determinant" or not kept:
         return list(combinations(outside, size))
     alone = information.worths(np.array([kept]), criterion, all_shown=True)[0]
     sets = np.array([[*kept, c] for c in outside])
