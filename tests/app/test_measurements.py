@@ -248,3 +248,34 @@ def test_several_places_in_a_job_and_on_the_command_line(tmp_path, capsys):
         cli.main(["identify", str(tmp_path / "z.json"), "--drop", f"a,b={wanted['a', 'b'][0]:.3f} hum"]) == 0
     )
     assert "at dof a, b (hum)" in capsys.readouterr().out
+
+
+def test_damage_by_two_forces_in_a_job_and_its_report_again(tmp_path, capsys):
+    model = ar.cases.chain8().model
+    damaged = model.with_parameters(ar.stiffness_reduction([4]), [0.3])
+    for name, one in (("intact", model), ("now", damaged)):
+        ar.write_npz(tmp_path / f"{name}.npz", record_of(one, (0, 4), 120.0, 0.01, 1))
+    springs = [float(-k) for k in np.diag(model.stiffness(), 1)]
+    (tmp_path / "job.toml").write_text(
+        f"""[data]
+file = "now.npz"
+excitation = [0, 4]
+band_hz = [3.0, 130.0]
+[model]
+kind = "chain"
+masses_kg = {np.diag(model.mass()).tolist()}
+springs_n_per_m = {springs}
+[damage]
+elements = "all"
+baseline = "intact.npz"
+[output]
+folder = "out"
+"""
+    )
+    assert cli.main(["damage", str(tmp_path / "job.toml")]) == 0
+    assert "spring 4" in capsys.readouterr().out
+    assert json.loads((tmp_path / "out/summary.json").read_text())["antiresonances"][0]["excitation"] == [
+        0,
+        4,
+    ]
+    assert cli.main(["report", str(tmp_path / "out"), "--out", str(tmp_path / "again.html")]) == 0

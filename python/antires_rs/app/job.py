@@ -137,7 +137,7 @@ LEAVE_OUT = "Give it a dof, or leave it out: false in a job, CHANNEL= on the com
 #: How an argument is written, alone or with the value to be passed.
 Spell = Callable[[str, Any], str]
 #: As texts have it for who calls from Python: ``fs_hz=``, ``first='time'``; a channel left out; an attribute.
-_PASSED = re.compile(r"""\b(\w+)=(?:('[^']*'|"[^"]*"|\d+|True)|(?![\w{([]))""")
+_PASSED = re.compile(r"""\b(\w+)=(?:('[^']*'|"[^"]*"|\d+|True|\[\d+(?:, \d+)*\])|(?![\w{([]))""")
 _LEFT_OUT = re.compile(r"Map a \w+ to None to leave it out")
 _ATTRIBUTE = re.compile(r",? (?:or )?see \.\w+")
 _KEYS = {key.name for section in SECTIONS.values() for key in section.keys}

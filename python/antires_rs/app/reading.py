@@ -315,6 +315,8 @@ def places_of(given: Any, known: Container[Any] = ()) -> list[Any]:
     if not isinstance(given, str) or given in known or "," not in given:
         return [given]
     names = [name.strip() for name in given.split(",")]
+    if not all(names):
+        reject("excitation", repr(given), "dofs between commas, as in 0,4", "Take the empty ones out.")
     return [int(name) if name.isdecimal() else name for name in names]
 
 
@@ -584,6 +586,7 @@ class Call(Job):
         """An argument of a reader as this command has it; those it lacks a job has."""
         section = next((part for part in _OTHERS if SECTIONS[part].key(name)), "")
         flag = _FLAGS.get(name, f"{name} in [{section}]" if section else f"{name} (in a job)")
+        value = ",".join(map(str, value)) if isinstance(value, list) else value
         return flag if value is None or value is True else f"{flag} {value}"
 
 

@@ -26,7 +26,7 @@ from ..identification.stabilization import StabilizationDiagram
 from ..io.archive import Store, read_store, versions, write_store
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
-from ..measured.response_table import ResponseTable
+from ..measured.response_table import Dofs, ResponseTable
 from ..signals.averaging import choose_nperseg
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
@@ -167,7 +167,9 @@ class Evidence:
     def load(cls, path: Path) -> Evidence:
         """Read it."""
         _, data = read_store(path, FORMAT, VERSION, "the evidence.npz of a run")
-        tables = tuple({dof: _made(diagram) for dof, diagram in table} for table in data["diagrams"])
+        tables = tuple(
+            {Dofs.of_file(dof): _made(diagram) for dof, diagram in table} for table in data["diagrams"]
+        )
         kept = data["response"]
         # Files of older versions do not say what kind it is.
         return cls(tables, kept and FrequencyResponse(**({"kind": "transmissibility"} | kept)))
@@ -204,6 +206,8 @@ def _response(job: Job, measured: list[Measurement]) -> FrequencyResponse | None
     if not measured:
         return None
     signal, found = measured[0].signal, measured[0].found
+    if found.order > 1:  # no curve of a single response is free of several forces
+        return None
     if isinstance(signal, Recording):
         dof = next((dof for dof, values in found.items() if values.size), None)
         if dof is None or signal.n_channels < 2:
@@ -282,7 +286,7 @@ def summary_of(
     checks = [each.found.data_check for each in measured if each.found.data_check is not None]
     frequencies = []
     if isinstance(table, FrequencyTable):
-        columns = {name: map(int, getattr(table, name)) for name in ("excitation", "dof")}
+        columns = {name: getattr(table, name).tolist() for name in ("excitation", "dof")}
         hz = (f"{name}_hz" for name in ("measured", "before", "after"))
         frequencies = rows_of(**columns, **{name: map(number, getattr(table, name)) for name in hz})
     modes, names = (table if isinstance(table, ModalTable) else beside), ("measured", "before", "after")

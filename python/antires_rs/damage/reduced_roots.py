@@ -205,10 +205,8 @@ class ReducedRoots:
         self._settled[x.tobytes()] = near
         low, high = self.terms.measured_hz
         ours = ours.only(ours.between(np.log(low) - 1e-9, np.log(high) + 1e-9))
-        single = np.array([len(part[0]) == 1 for part in self.terms.parts])[ours.response]
-        ours = ours.only(
-            single
-        )  # of several forces the difference from the full model, above, is all that tells
+        # Of several forces the difference from the full model, above, is all that tells.
+        ours = ours.only(np.array([len(part[0]) == 1 for part in self.terms.parts])[ours.response])
         rows, forces = np.array([(part[0][0], part[1][0]) for part in self.terms.parts])[ours.response].T
         matrices_here = near.stiffness, near.mass
         errors = expected_errors(matrices_here, near.basis, (rows, forces), np.exp(ours.log_f))

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..exceptions import reject
 from ..models.frame import FrameModel
+from ..models.structural_model import members
 from ..support.checks import FloatArray, IntArray, real_array
 from ..support.directions import point_of
 from ..support.files import write_atomically
@@ -52,7 +53,9 @@ def plot_mesh(
     shape: Any = None,
     label: str = "Value by group",
 ) -> Any:
-    """Draw the mesh of a model, seen isometrically; :func:`~antires_rs.figures.write_mesh` makes a page where it can be turned.
+    """Draw the mesh of a model, seen isometrically.
+
+    :func:`~antires_rs.figures.write_mesh` makes a page where it can be turned.
 
     Parameters
     ----------
@@ -83,8 +86,8 @@ def plot_mesh(
     'isometric view'
     """
     moved = [] if shape is None else [("", shape)]
-    ax = new_axes(ax, (9.0, 5.6))
-    return draw(seen(scene(model, values, sensors, excitation, label, moved)), ax, drop_pt=24.0)
+    shown = seen(scene(model, values, sensors, excitation, label, moved))
+    return draw(shown, new_axes(ax, (9.0, 5.6)), drop_pt=24.0)
 
 
 def write_mesh(
@@ -193,7 +196,7 @@ def scene(
     row = dict(zip(np.asarray(numbers).tolist(), range(len(numbers)), strict=True))
     size, moved = _size(places), _moves(row, points, places)
     arrows: list[Arrows] = []
-    force = [] if excitation is None else [excitation]
+    force = [] if excitation is None else members(model._end("excitation", excitation))
     for name, dofs, colour, share in (
         ("accelerometer", sensors, "vermillion", 0.7),
         ("force", force, "black", 1.2),

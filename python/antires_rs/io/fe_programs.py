@@ -384,8 +384,14 @@ class Hook(Code):
     def run(self, folder: Path, factors: Factors) -> Run:
         """What it returns."""
         values = {e.place: (e.value or 0.0) * factors[e.name] for e in self.asked if e.name in factors}
-        k, m, *names = self.source(**values)
-        return Run.of(k, m, names[0] if names else ())
+        found = self.source(**values)
+        if not isinstance(found, list | tuple) or len(found) not in (2, 3):
+            wanted = "K, M and, if they have some, the names of the dofs"
+            reject("source", f"{type(found).__name__} from the function", wanted, "As in return K, M, names.")
+        if np.shape(found[0]) != np.shape(found[1]):
+            got = f"K {np.shape(found[0])} and M {np.shape(found[1])} from the function"
+            reject("source", got, "two matrices of one size", "Return K and M of the same dofs.")
+        return Run.of(found[0], found[1], found[2] if len(found) > 2 else ())
 
 
 _CODES: dict[str, Callable[[Any, str | None], Code]]

@@ -258,7 +258,7 @@ def key_of(excitation: Any, keys: Iterable[Any], channels: Iterable[Any]) -> Cal
         dofs = _members(name, value)
         if len(dofs) != order:
             what, each = ("force", "response") if order == 1 else ("forces", "responses")
-            got = f"{value!r}, {len(dofs)} dof{'s' * (len(dofs) > 1)}"
+            got = f"{value!r}, which is {len(dofs)} dof{'s' * (len(dofs) > 1)}"
             remedy = "Name as many responses as forces act: excitation=[0, 4] goes with {(1, 5): [...]}."
             reject(name, got, f"{order} {each} for {order} {what}", remedy)
         if order == 1:

@@ -111,6 +111,8 @@ def _rows(first: Any, one: Any, name: Argument, got: str, kind: str) -> list[int
 
 def as_first(first: FrequencyResponse, one: FrequencyResponse, name: Argument) -> ComplexArray:
     """Values with their rows in the order of the first response's."""
+    if not isinstance(one, FrequencyResponse):
+        reject(name, type(one).__name__, "a FrequencyResponse, as the first", "Identify them apart.")
     for what in ("kind", "reference"):
         if getattr(one, what) != getattr(first, what):
             got = f"{what} {getattr(one, what)!r}"

@@ -41,7 +41,8 @@ pub(super) fn add_roots(
     let highest = ceiling.min(INFINITY_RATIO * last);
     let mut before = None;
     let mut x = FAR_RATIO * last;
-    while x <= highest {
+    while x < STEP * highest {
+        x = x.min(highest);
         if let Some(positive) = sign(solved, ends, x) {
             if let Some((low, was)) = before
                 && was != positive
