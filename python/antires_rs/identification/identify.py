@@ -367,7 +367,7 @@ def identify_antiresonances(
         averages = average(one, band, options.averaging, include_force=options.use_force)
     parts = _parts(one, averages, excitation, band, options)
     known = tuple(dict.fromkeys(dof for part in parts for dof in part.dofs))
-    channels = _channels_of(one)
+    channels = one.columns[0].dofs if isinstance(one, MinorResponse) else one.dofs  # all that were measured
     wanted = _wanted_dofs(dofs, known, excitation, channels)
     lines_for = parts[0].lines_for
     if near is not None:
@@ -388,7 +388,7 @@ def identify_antiresonances(
             others = sorted(options.given - {*OF_FOLLOWING})
             idle = [name for name in others if near.options.get(name) != held[name]]
             _say_idle(idle, "values that are followed (near=) without a search for new ones", OF_FOLLOWING)
-        return _followed(near, searched, one, averages, parts, excitation, wanted, band, options)
+        return _followed(near, searched, one, averages, parts, excitation, channels, wanted, band, options)
     drifting = averages is not None and averages.nperseg is None and drifts(averages.rec, band)
     options, fits, misfit = settled(
         options, lines_for(0), band, of_curves=averages is None, drifting=drifting
@@ -498,6 +498,7 @@ def _followed(
     averages: Averages | None,
     parts: Sequence[_Part],
     excitation: Any,
+    channels: tuple[Any, ...],
     wanted: tuple[Any, ...],
     band: tuple[float, float],
     options: IdentificationOptions,
@@ -530,7 +531,7 @@ def _followed(
         left_out={dof: gone.get(dof, ResponseTable(np.empty(0))) for dof in wanted if dof in tables},
         data_check=checked,
         sees="frf" if options.use_force or of_size else "transmissibility",
-        channels=_channels_of(source),
+        channels=channels,
         options={**_made_of(source, band), **options.values(), "fitted": "followed"},
     )
 
@@ -553,16 +554,11 @@ def _parts(
     options: IdentificationOptions,
 ) -> list[_Part]:
     """All responses to one force; the minors of several in as many parts as one fit can hold."""
-    use_force, estimator = options.use_force, options.call.estimator
-
-    def of(some: Recording | FrequencyResponse) -> Callable[[int], Lines]:
-        return lines_of(some, averages, band, use_force=use_force, estimator=estimator)
-
     if not isinstance(excitation, Dofs):
-        return [_Part(source.dofs, of(source))]
+        return [_Part(source.dofs, lines_of(source, averages, band, options))]
     if isinstance(source, MinorResponse):
         some = [source.rows(rows) for rows in source.groups]
-        return [_Part(each.dofs, of(each)) for each in some]
+        return [_Part(each.dofs, lines_of(each, averages, band, options)) for each in some]
     assert isinstance(source, Recording)
     assert averages is not None
     minors = MinorsOfRecord(source, averages, len(excitation))
@@ -575,11 +571,6 @@ def _parts(
         )
         for group in minors.groups
     ]
-
-
-def _channels_of(source: Recording | FrequencyResponse) -> tuple[Any, ...]:
-    """All responses that were measured."""
-    return source.columns[0].dofs if isinstance(source, MinorResponse) else source.dofs
 
 
 def _source_of(source: Any, excitation: Any, options: IdentificationOptions) -> Any:

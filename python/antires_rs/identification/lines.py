@@ -33,6 +33,7 @@ from ..signals.spectra import (
     two_channel,
 )
 from ..support.checks import ComplexArray, FloatArray
+from .options import IdentificationOptions
 
 FORCE = -1  # row index of the force in ``Lines.vectors``: the last
 SNR_CAP = 1e4  # signal-to-noise power beyond which a line gains no more weight: what is left there is leakage
@@ -209,26 +210,18 @@ def lines_of(
     source: Recording | FrequencyResponse,
     averages: Averages | None,
     band_hz: tuple[float, float],
-    *,
-    use_force: bool,
-    estimator: str,
+    options: IdentificationOptions,
 ) -> Callable[[int], Lines]:
-    """Response vectors by the row to be divided by; ``averages`` of a record, None for measured curves."""
+    """Response vectors by the row that will be divided by; ``averages`` of a record, None for curves."""
+    use_force, estimator = options.use_force, options.call.estimator
     if isinstance(source, FrequencyResponse):
         same = lines_of_response(source, band_hz, use_force=use_force)
         return lambda row: same
     assert averages is not None
-    return lines_of_recording(source, averages, band_hz, use_force=use_force, estimator=estimator)
-
-
-def lines_of_recording(
-    rec: Recording, averages: Averages, band_hz: tuple[float, float], *, use_force: bool, estimator: str
-) -> Callable[[int], Lines]:
-    """Response vectors of a record; the argument is the row that will be divided by."""
     spectra = averages.spectra
-    _require_lines(spectra.freq_hz.size, band_hz, 0.5 * rec.fs_hz)
+    _require_lines(spectra.freq_hz.size, band_hz, 0.5 * source.fs_hz)
     auto = np.einsum("fii->i", spectra.matrix).real
-    require_live(auto, rec.dofs, "no signal at all from {} in the band", "Recording")
+    require_live(auto, source.dofs, "no signal at all from {} in the band", "Recording")
     vectors, snr = response_vectors(spectra.matrix, spectra.noise)
     if averages.nperseg is None and spectra.n_averages < LEAST_IMPACTS:
         size = np.sqrt(np.einsum("fii->f", spectra.matrix).real)
@@ -246,7 +239,7 @@ def lines_of_recording(
         # A force cell is far quieter than the responses: what a line is worth, the responses tell.
         snr = response_vectors(spectra.matrix[:, :FORCE, :FORCE])[1]
     length = averages.nperseg
-    independent = 1.0 if length is None else min(1.0, rec.n_samples / length / spectra.n_effective)
+    independent = 1.0 if length is None else min(1.0, source.n_samples / length / spectra.n_effective)
     white = vectors / np.sqrt(noise)[:, None]
     scale = 1.0 / np.sqrt(noise)
     if use_force:

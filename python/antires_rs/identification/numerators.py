@@ -465,18 +465,20 @@ class Influence:
         if lines.segments is None:
             single = (np.sqrt(lines.snr) * lines.vectors).T[:, :, None]
             push = np.concatenate([self._pushed(single.__getitem__, block, 1) for block in blocks], axis=1)
-            self._push, self._scale = _centred(push), len(blocks) / (len(blocks) - 1)
+            self._push = push - push.mean(axis=1, keepdims=True)
+            self._scale = len(blocks) / (len(blocks) - 1)
             return
         draws, count = lines.segments.at, lines.segments.count
-        self._push = _centred(self._pushed(draws, slice(0, n_lines), count))
+        push = self._pushed(draws, slice(0, n_lines), count)
+        self._push = push - push.mean(axis=1, keepdims=True)
         self._scale = lines.averages_ratio / count**2 * count / (count - 1)
         if lines.draws is None:
             return
         by_draw = [self._push[:, lines.draws == draw].sum(axis=1) for draw in np.unique(lines.draws)]
         self._sums = np.stack(by_draw, axis=1) / count
         if len(by_draw) == count:  # of one impact each: inside it, blocks of lines
-            each = [_centred(self._pushed(draws, block, count)) for block in blocks]
-            self._push = np.concatenate(each, axis=1)
+            each = np.stack([self._pushed(draws, block, count) for block in blocks], axis=1)
+            self._push = (each - each.mean(axis=2, keepdims=True)).reshape(len(each), -1)
             self._scale = 1.0 / (count * (count - 1.0))
 
     def _pushed(self, draws: Callable[[slice], ComplexArray], lines: slice, n_draws: int) -> FloatArray:
@@ -524,11 +526,6 @@ class Influence:
             return within, np.zeros(s.size)
         n = self._sums.shape[1]
         return within, n / (n - 1.0) * np.sum((moves @ self._sums) ** 2, axis=1)
-
-
-def _centred(push: FloatArray) -> FloatArray:
-    """Columns less their mean."""
-    return np.asarray(push - push.mean(axis=1, keepdims=True))
 
 
 # -- Whether the fit predicts what it has not seen, to the noise that the segments tell

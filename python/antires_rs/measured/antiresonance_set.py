@@ -148,17 +148,6 @@ def _labels_of(given: Iterable[Any]) -> tuple[Any, ...]:
     return tuple(dict.fromkeys(label("channels", dof) for dof in given))
 
 
-def _channels_of(named: tuple[Any, ...] | None, dofs: tuple[Any, ...]) -> tuple[Any, ...]:
-    """All responses measured together, those with a table among them; empty if not all are known."""
-    if named is None:
-        return dofs
-    missing = [dof for dof in dofs if dof not in named]
-    if named and missing:
-        remedy = "Add it: it was measured too. Leave channels out if there were no others."
-        reject("channels", f"{named} without {missing[0]!r}", "every dof of freq_hz among them", remedy)
-    return named
-
-
 class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     """Antiresonant frequencies by response dof, a mapping ``{dof: freq_hz}``; read-only.
 
@@ -253,15 +242,18 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     ) -> None:
         choice("sees", sees, ("frf", "transmissibility", None))
         check_frequencies(freq_hz)
-        force, listed = (
-            force_label("excitation", excitation),
-            None if channels is None else _labels_of(channels),
-        )
+        force = force_label("excitation", excitation)
+        listed = None if channels is None else _labels_of(channels)
         named = key_of(force, freq_hz, listed or ())
         tables = tables_of(freq_hz, damping_ratio, std_hz, scores, named)
         drawn = {dof: one for dof, one in (diagrams or {}).items() if hasattr(one, "unexplained_hz")}
         self._fill(excitation=force, tables=FrozenDict(tables), sees=sees)
-        self._fill(channels=_channels_of(listed, self._responses()), options=FrozenDict(options or {}))
+        missing = [dof for dof in self._responses() if dof not in listed] if listed else []
+        if missing:
+            remedy = "Add it: it was measured too. Leave channels out if there were no others."
+            reject("channels", f"{listed} without {missing[0]!r}", "every dof of freq_hz among them", remedy)
+        measured = self._responses() if listed is None else listed
+        self._fill(channels=measured, options=FrozenDict(options or {}))
         self._fill(diagrams=FrozenDict(diagrams or {}), data_check=data_check)
         for name in ("left_out", "unexplained_hz"):
             self._fill(**{name: FrozenDict({dof: getattr(one, name) for dof, one in drawn.items()})})

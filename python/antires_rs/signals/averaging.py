@@ -553,8 +553,7 @@ def average(
         name = options.window
         window = name if isinstance(name, str) and name in ("rectangular", "exponential") else "auto"
         spectra = transient_spectra(rec, window=window, include_force=include_force, band_hz=lines)
-        spectra = beside(spectra, hum)
-        return Averages(options, spectra, None, None, include_force, correlation, hum)
+        return Averages(options, beside(spectra, hum), None, None, include_force, correlation, hum)
     nperseg = options.nperseg
     if nperseg is None:
         nperseg = min(longer * choose_nperseg(rec, band_hz, correlation), shortest(rec))

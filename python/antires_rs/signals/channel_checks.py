@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -368,29 +368,18 @@ BURIED_ADVICE = (
 )
 
 
-def buried(seen: Evidence, skip: set[Any]) -> CheckResults:
-    """Channels that spend much of the band under their noise."""
-    if seen.signal is None:
-        return [NotTested(NOISE, "the noise of a single average is not known")]
-    texts = ("lies under its own noise", "under its noise")
-    return _much_of_the_band([dof for dof in seen.dofs if dof not in skip], seen, seen.signal < 1.0, *texts)
-
-
-def incoherent(seen: Evidence) -> CheckResults:
-    """The same of measured responses, by their coherence."""
-    if seen.coherence is None:
-        return [NotTested(NOISE, "no coherence is given with the responses")]
-    brief = f"coherence under {COHERENT:g}"
-    return _much_of_the_band(seen.dofs, seen, seen.coherence < COHERENT, f"has a {brief}", brief)
-
-
-def _much_of_the_band(
-    dofs: Iterable[Any], seen: Evidence, low: NDArray[np.bool_], text: str, brief: str
-) -> CheckResults:
-    """Notes on channels that are ``low``, (n, n_freq), at more lines than they may be."""
+def buried(seen: Evidence, skip: Container[Any] = (), *, by_coherence: bool = False) -> CheckResults:
+    """Channels that spend much of the band under their noise; of measured responses by their coherence."""
+    signal, least = (seen.coherence, COHERENT) if by_coherence else (seen.signal, 1.0)
+    if signal is None:
+        noise = "the noise of a single average is not known"
+        why = "no coherence is given with the responses" if by_coherence else noise
+        return [NotTested(NOISE, why)]
+    brief = f"coherence under {COHERENT:g}" if by_coherence else "under its noise"
+    text = f"has a {brief}" if by_coherence else "lies under its own noise"
     found: CheckResults = []
-    for dof, share in zip(seen.dofs, np.mean(low, axis=1).tolist(), strict=True):
-        if share > BURIED and dof in dofs:
+    for dof, share in zip(seen.dofs, np.mean(signal < least, axis=1).tolist(), strict=True):
+        if share > BURIED and dof not in skip:
             where = f"in {100 * share:.0f} % of the band"
             parts = (f"Dof {dof!r} {text} {where}.", BURIED_ADVICE, f"{brief} {where}")
             found.append(Finding(NOISE, "note", (dof,), share, BURIED, *parts))

@@ -130,11 +130,7 @@ def of_recording(
     frfs = _frfs(spectra, moving) if averages.has_force and live.force is not None else None
     spectra = spectra.rows(moving)
     said += _resolution(averages, spectra, band, rec)
-
-    def evidence(some: CrossSpectra, dofs: tuple[Any, ...]) -> Evidence:
-        return of_spectra(some, dofs, nperseg=averages.nperseg, fs_hz=rec.fs_hz, taper=averages.taper)
-
-    seen = evidence(spectra, live.dofs)
+    seen = of_spectra(spectra, live.dofs, averages)
     first = parts_of(live)[0]
     dead = (averages.nperseg is None and channels.silent(first, band)) or channels.unrelated(seen)
     lost = {dof for one in dead if isinstance(one, Finding) for dof in one.where}
@@ -142,7 +138,7 @@ def of_recording(
     if 0 < len(rows) < len(live.dofs):
         # What holds only noise must not speak in the other tests.
         frfs = None if frfs is None else frfs[rows]
-        seen = evidence(spectra.rows(rows), tuple(live.dofs[p] for p in rows))
+        seen = of_spectra(spectra.rows(rows), tuple(live.dofs[p] for p in rows), averages)
     one = one_force.one_force(seen, one_force.forces_named(excitation))
     apart = channels.clocks(first, band) if one or lost else []
     if spectra.draws is not None:
@@ -313,7 +309,7 @@ def of_response(
         *twice,
         *channels.alike(seen),
         *channels.in_phase(seen),
-        *channels.incoherent(seen),
+        *channels.buried(seen, by_coherence=True),
         *one_force.one_force(seen),
     ]
     if resp.kind == "transmissibility":

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..support.checks import ComplexArray, FloatArray
 from ..support.values import ReadOnly
 from ..views import Viewed
+from .averaging import Averages
 from .spectra import CrossSpectra, pieces, prominent_peaks, running_mean, spectrum, typical_noise
 
 Severity = Literal["fatal", "warning", "note"]
@@ -280,16 +281,9 @@ class Evidence:
         return np.asarray(np.maximum(np.linalg.eigvalsh(inner)[:, -1 - order], 0.0), dtype=np.float64)
 
 
-def of_spectra(
-    spectra: CrossSpectra,
-    dofs: tuple[Any, ...],
-    *,
-    nperseg: int | None,
-    fs_hz: float,
-    taper: FloatArray | None,
-) -> Evidence:
-    """Evidence of a record's spectra on the lines of the band."""
-    matrix, freq = spectra.matrix, spectra.freq_hz
+def of_spectra(spectra: CrossSpectra, dofs: tuple[Any, ...], averages: Averages) -> Evidence:
+    """Evidence of a record's spectra of some channels, on the lines of the band."""
+    matrix, freq, fs_hz = spectra.matrix, spectra.freq_hz, averages.rec.fs_hz
     if spectra.n_averages == 1:
         return _of_one_average(spectra, matrix, freq, dofs, fs_hz)
     noise = spectra.noise if spectra.noise is not None else spectra.noise_power
@@ -308,9 +302,9 @@ def of_spectra(
         np.maximum(auto / noise[:, None] - 1.0, 0.0),
         coherence,
         explained,
-        nperseg,
+        averages.nperseg,
         fs_hz,
-        _spread(taper),
+        _spread(averages.taper),
         (matrix, noise),
     )
 

@@ -23,7 +23,10 @@ _LABELS = "List a label for each channel, or leave them out to number the channe
 _SMALLEST, _LARGEST = 1e-100, 1e100  # beyond these, powers of values overflow or vanish
 
 
-def _array(name: Name, value: Any, dtype: type, ndim: int | None, wanted: str) -> NDArray[Any]:
+def real_array(
+    name: Name, value: Any, *, ndim: int | None, wanted: str, dtype: type = np.float64
+) -> NDArray[Any]:
+    """Finite, non-empty array of the wanted number of dimensions, float64 unless another type is named."""
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         got = f"a masked array with {int(np.count_nonzero(np.ma.getmaskarray(value)))} values masked"
         remedy = "Cut what is masked, or fill it in: numpy would take the values below the mask."
@@ -63,14 +66,9 @@ def in_range(name: str, array: NDArray[Any]) -> None:
         reject(name, f"values up to {largest:.3g}", wanted, remedy)
 
 
-def real_array(name: Name, value: Any, *, ndim: int | None, wanted: str) -> FloatArray:
-    """Finite, non-empty float64 array of the wanted number of dimensions."""
-    return _array(name, value, np.float64, ndim, wanted)
-
-
 def complex_rows(name: str, value: Any, n_columns: int, *, wanted: str) -> ComplexArray:
     """Complex array (n_rows, n_columns); a vector is taken as one row."""
-    array = _array(name, value, np.complex128, None, wanted)
+    array = real_array(name, value, ndim=None, wanted=wanted, dtype=np.complex128)
     array = array[None, :] if array.ndim == 1 else array
     if array.ndim != 2 or array.shape[1] != n_columns:
         reject(name, f"an array of shape {array.shape}", wanted, "Check its axes by np.shape.")
