@@ -153,6 +153,5 @@ def test_the_threshold_is_the_quantile_of_integrated_evidence():
         odds += np.trapezoid(np.exp(gain), beta, axis=1) / 0.99
     for rate in (0.3, 0.05):
         wanted = np.log(np.quantile(odds, 1.0 - rate)) + prior.log_of(1, 6) - prior.log_of(0, 6)
-        options = ar.SearchOptions(false_alarm_rate=rate)
-        found = log_odds_threshold(slopes, prior, options, np.random.default_rng(1))
+        found = log_odds_threshold(slopes, prior, rate, np.random.default_rng(1))
         assert abs(found - wanted) < 1e-3

@@ -35,10 +35,10 @@ from .assessor_plan import Plan, QuickSearch, TabulatedLikelihood, plan_of, read
 from .hypotheses import Answered, Assessment, figure
 from .inference import BLIND, FURTHEST, HIGHEST, Search, concluded, confirmed, learned_from
 from .likelihood import Likelihood, Prepared, Question
-from .measured_states import ASSUMED_STD, unfit
+from .measured_states import ASSUMED_STD, Responses, unfit
 from .options import ONE_STATE, TWO_STATES, DamagePrior, SearchOptions, checked_prior
 from .severity_intervals import severity_intervals, severity_profile
-from .shape_search import found_shapes
+from .shape_search import find_shapes
 from .words import (
     UNREDUCED,
     UNSEEN_OF_ONE,
@@ -417,8 +417,12 @@ def infer(
     search = Search(prepared.likelihood, len(question.elements), question.prior)
     search.run()
     reduction = confirmed(search, prepared.likelihood)
-    if question.baseline and not question.reduced and not search.interrupted:
-        search.shaped = found_shapes(search, prepared, question)
+    identified = isinstance(prepared.responses, Responses)  # modes have no shapes beside elements
+    if question.baseline and identified and not question.reduced and not search.interrupted:
+        try:
+            find_shapes(search, prepared, question)
+        except KeyboardInterrupt:
+            search.interrupted = True
     learned = learned_from(prepared, question, rng)
     found = concluded(search, question, learned, prepared.intact)
     return replace(found, unfit=unfit(question.baseline, question.measured)), prepared, reduction
@@ -494,15 +498,13 @@ def assess_damage(
     options = gathered("assess_damage", "search", SearchOptions, search, older)
     options = options.joined({"environment": environment})
     if baseline is None:
-        _without({"prior": prior}, "together with a baseline")
-        options = options.of(ONE_STATE)
+        options = options.of(ONE_STATE, prior=prior)
         how: Any = {"penalty": options.prices, "weights": options.weights}
         problem = UpdatingProblem(model, stiffness_reduction(chosen), measured, **how)
         found, seed, _ = find(problem, optimizer, rng, workers, callback, options.x0, progress, checkpoint)
         held = {"antires_rs": __version__, **options.held(ONE_STATE), **found.options}
         return DamageResult(problem, found, seed, options=held)
-    options = options.of(TWO_STATES)
-    _without({"optimizer": optimizer, "callback": callback, "checkpoint": checkpoint}, ONE_STATE)
+    options = options.of(TWO_STATES, optimizer=optimizer, callback=callback, checkpoint=checkpoint)
     before, now = sets_of("baseline", baseline), sets_of("measured", measured)
     question = question_of(model, before, now, chosen, prior, options)
     seed = seed_of(rng)
@@ -539,13 +541,6 @@ def _result(
     )
     held = {"antires_rs": __version__, "prior": vars(question.prior), **question.options.held(TWO_STATES)}
     return DamageResult(problem, search_result, seed, found, question, reduction, options=held)
-
-
-def _without(options: dict[str, Any], when: str) -> None:
-    """Options that have no effect are refused, not ignored."""
-    for name, value in options.items():
-        if value is not None:
-            reject(name, value, f"None: it counts only {when}", f"Leave {name} out.")
 
 
 # -- The damage of single tests in a fraction of a second: a plan made once, asked for every test

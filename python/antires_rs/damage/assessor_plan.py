@@ -45,16 +45,7 @@ from .likelihood import (
     View,
     rows_of,
 )
-from .measured_states import (
-    Column,
-    Responses,
-    Roots,
-    Values,
-    note_of_same_data,
-    roots_at,
-    same_data,
-    values_of,
-)
+from .measured_states import Column, Responses, Roots, Values, roots_at, same_data, values_of
 from .shape_search import Crack
 from .shapes import CRACKED, PLACES, Shape, Shaped, joined, parameters_of
 
@@ -324,12 +315,12 @@ def read(
             asked = bool(freq.size) or number not in plan.silent
             own[number] = Column(freq, std, "share" in table.scores, asked)
         columns.append(own)
-    twice = same_data(columns)
+    twice, repeats = same_data("zeros", columns)
     values = values_of(columns, twice)
     if not values.size:
         reject("zeros", "no antiresonance", "at least one", "Identify in the band of the baseline.")
     assumed = any(not np.isfinite(column.std).all() for own in columns for column in own.values())
-    return values.noisier(scatter), [*note_of_same_data("zeros", twice), *notes], strange, assumed
+    return values.noisier(scatter), [*repeats, *notes], strange, assumed
 
 
 @dataclass(frozen=True)

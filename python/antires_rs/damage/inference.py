@@ -20,7 +20,7 @@ from ..updating.reduced_model import ReductionReport
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together, without_idle
 from .likelihood import ERRORS, Likelihood, Prepared, Question, ValueLikelihood, View
 from .measured_states import Values, mostly_risen, roots_at
-from .options import DamagePrior, SearchOptions
+from .options import DamagePrior
 from .reduced_roots import TOLERANCE, ReducedRoots
 from .shapes import BOUNDS, CRACKED, Found, Shaped
 
@@ -546,34 +546,33 @@ class Search:
                 least = climbs[likeliest[0]].height - _HOPELESS
                 given_up = {s for s in likeliest[_KEPT:] if len(s) > 1 and climbs[s].height <= least}
                 climbs = {elements: climb for elements, climb in climbs.items() if elements not in given_up}
-            betas = np.array([stepped(elements, views[elements]) for elements in climbs])
-        self._see(list(climbs.values()), betas)
-        self._rest(climbs)
+            betas = np.array([climb.ahead(views[elements]) for elements, climb in climbs.items()])
+        self._rest(climbs, betas)
         top = max(fit.view.log_likelihood for fit in self.fits.values())
         far = (elements for elements, climb in climbs.items() if climb.height < top - _HOPELESS)
         self.hopeless.update(elements for elements in far if elements not in self.fits)
 
-    def _see(self, climbs: list[Climb], betas: FloatArray) -> None:
-        """Judge sets from these severities (k, n)."""
-        for climb, view in zip(climbs, self.likelihood.views(betas), strict=True):
-            climb.sees(view)
-            self._judge(climb.elements, view)
-            if climb.lost:
-                self._judge(climb.elements, climb.view)
-            climb.rests = not climb.lost and bool(fitted(view, [climb.elements]))
-
-    def _rest(self, climbs: dict[Elements, Climb]) -> None:
-        """Further steps of sets that may still win and have not come to rest."""
-        for _ in range(_FURTHER):
-            top = max(climb.height for climb in climbs.values())
-            moving = [
-                climb
-                for elements, climb in climbs.items()
-                if not climb.rests and climb.height > top - (_HOPELESS if len(elements) == 1 else _NEAR)
-            ]
-            if not moving:
-                return
-            self._see(moving, np.array([climb.ahead() for climb in moving]))
+    def _rest(self, climbs: dict[Elements, Climb], betas: FloatArray) -> None:
+        """Judge sets from these severities (k, n), and after further steps those that may still win and have
+        not come to rest."""
+        moving = list(climbs.values())
+        for nth in range(1 + _FURTHER):
+            if nth:
+                top = max(climb.height for climb in climbs.values())
+                moving = [
+                    climb
+                    for elements, climb in climbs.items()
+                    if not climb.rests and climb.height > top - (_HOPELESS if len(elements) == 1 else _NEAR)
+                ]
+                if not moving:
+                    return
+                betas = np.array([climb.ahead() for climb in moving])
+            for climb, view in zip(moving, self.likelihood.views(betas), strict=True):
+                climb.sees(view)
+                self._judge(climb.elements, view)
+                if climb.lost:
+                    self._judge(climb.elements, climb.view)
+                climb.rests = not climb.lost and bool(fitted(view, [climb.elements]))
         for climb in moving:
             if not climb.rests and climb.share < 1.0:
                 self._keep([refitted(climb.view, climb.elements, at_peak=True)])
@@ -609,22 +608,18 @@ class Climb:
         else:
             self.share *= 0.5
 
-    def ahead(self) -> FloatArray:
-        """Severities of all elements (n,) a step ahead."""
-        return stepped(self.elements, self.view, self.share)
-
-
-def stepped(elements: Elements, view: View, share: float = 1.0) -> FloatArray:
-    """Severities of all elements (n,) after a share of a set's Newton step from where it is seen."""
-    beta, at = view.beta.copy(), np.array(elements)
-    matrix = view.curvature[np.ix_(at, at)]
-    ridge = 1e-9 * np.trace(matrix) + 1e-6
-    newton = np.linalg.solve(matrix + ridge * np.eye(at.size), view.gain[at])
-    # The nearer to 1, the faster the model changes: steps in ln(1 - beta) do not overshoot.
-    room = 1.0 - beta[at]
-    ahead = share * np.clip(-newton / room, -_LONGEST, _LONGEST)
-    beta[at] = np.clip(1.0 - room * np.exp(ahead), 0.0, HIGHEST)
-    return beta
+    def ahead(self, view: View | None = None) -> FloatArray:
+        """Severities of all elements (n,) a Newton step ahead; from another ``view`` a whole one."""
+        view, share = (self.view, self.share) if view is None else (view, 1.0)
+        beta, at = view.beta.copy(), np.array(self.elements)
+        matrix = view.curvature[np.ix_(at, at)]
+        ridge = 1e-9 * np.trace(matrix) + 1e-6
+        newton = np.linalg.solve(matrix + ridge * np.eye(at.size), view.gain[at])
+        # The nearer to 1, the faster the model changes: steps in ln(1 - beta) do not overshoot.
+        room = 1.0 - beta[at]
+        step_by = share * np.clip(-newton / room, -_LONGEST, _LONGEST)
+        beta[at] = np.clip(1.0 - room * np.exp(step_by), 0.0, HIGHEST)
+        return beta
 
 
 # -- The threshold at which damage is declared, and the smallest severity that a pair of tests would show
@@ -652,12 +647,12 @@ _BESIDES = 1.12
 
 
 def log_odds_threshold(
-    slopes: FloatArray, prior: DamagePrior, options: SearchOptions, rng: np.random.Generator
+    slopes: FloatArray, prior: DamagePrior, rate: float | None, rng: np.random.Generator
 ) -> float | None:
-    """Log odds of damage that the share of intact tests wanted exceeds; ``slopes`` are ``intact_slopes``."""
+    """Log odds of damage that this share of intact tests exceeds; ``slopes`` are ``intact_slopes``."""
     from scipy.special import logsumexp
 
-    if options.false_alarm_rate is None:
+    if rate is None:
         return None
     n = slopes.shape[1]
     size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-6)
@@ -666,7 +661,7 @@ def log_odds_threshold(
     room = size * HIGHEST
     evidence = 0.5 * height**2 + log_between(-height, room - height) + np.log(np.sqrt(2.0 * np.pi) / room)
     odds = logsumexp(evidence, axis=1)
-    least = float(np.quantile(odds, 1.0 - options.false_alarm_rate))
+    least = float(np.quantile(odds, 1.0 - rate))
     return least + prior.log_of(1, n) - prior.log_of(0, n)
 
 
@@ -859,7 +854,7 @@ def learned_from(
         outside=error.outside,
         low=likelihood.band.low,
         high=likelihood.band.high,
-        threshold=log_odds_threshold(slopes, prior, question.options, rng),
+        threshold=log_odds_threshold(slopes, prior, question.options.false_alarm_rate, rng),
         detectable=tuple(smallest.tolist()),
         assumed_std=prepared.responses.assumed,
         n_intact=intact.size,

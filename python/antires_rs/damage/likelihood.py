@@ -42,7 +42,6 @@ from .measured_states import (
     Source,
     Values,
     contradiction,
-    follow,
     measured_states,
     moved_alike,
     price_alone,
@@ -804,14 +803,16 @@ class Likelihood(ValueLikelihood):
             return 0.0
         return self.core.settle(np.concatenate([beta, self.factors]))
 
-    def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
-        """See the base class."""
-        return self._seen(betas, self.roots(betas, slopes=True), extra)
-
-    def _seen(
-        self, betas: FloatArray, found: list[Roots], extra: float | FloatArray, common: float = 0.0
+    def views(
+        self,
+        betas: FloatArray,
+        extra: float | FloatArray = 0.0,
+        common: float = 0.0,
+        found: list[Roots] | None = None,
     ) -> list[View]:
-        """The views; where the surroundings have changed, from where that leads to."""
+        """See the base class; with an error of all values alike, too, and roots that are ``found`` already.
+        Where the surroundings have changed, the values are seen from where that leads to."""
+        found = self.roots(betas, slopes=True) if found is None else found
         views = [self._view(*each, extra, common) for each in zip(betas, found, strict=True)]
         # Near where two roots meet they are not linear in a factor, nor is a loss seen alike everywhere.
         felt = [n for n, view in enumerate(views) if view.felt.any() and not np.any(extra)]
@@ -850,7 +851,7 @@ class Likelihood(ValueLikelihood):
 
     def without_damage(self, extra: float | FloatArray, common: float) -> View:
         """See the base class."""
-        return self._seen(np.zeros((1, self.n)), [self._undamaged], extra, common)[0]
+        return self.views(np.zeros((1, self.n)), extra, common, [self._undamaged])[0]
 
     def _view(
         self,
@@ -943,7 +944,7 @@ class Prepared(NamedTuple):
         if self.plain is not likelihood.core:  # the tables are of the model as it was given
             x = np.concatenate([betas[0], likelihood.factors[: self.n_given]])
             given = roots_at(self.plain, x[None], slopes=False, threads=likelihood.threads)[0]
-            was, has = follow(given, roots), np.flatnonzero(view.partner >= 0)
+            was, has = roots.since(given)[1], np.flatnonzero(view.partner >= 0)
             shift = np.where(was >= 0, roots.log_f - given.log_f[was], 0.0)
             place = _APART * roots.response + roots.log_f
             order = np.argsort(place)

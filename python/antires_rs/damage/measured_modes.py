@@ -14,7 +14,7 @@ from .. import _core
 from ..exceptions import reject
 from ..measured.modal_set import ModalSet
 from ..support.checks import FloatArray
-from .measured_states import ASSUMED_STD, LEAST_STD, Column, Roots, Values, note_of_same_data, same_data
+from .measured_states import ASSUMED_STD, LEAST_STD, Column, Roots, Values, same_data
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -337,8 +337,9 @@ def measured_modes(
     highest = max((float(each.freq_hz.max(initial=0.0)) for each in both), default=0.0)
     if highest <= 0.0:
         reject("measured", "no mode", "at least one", "Identify in a wider band.")
-    twice = [same_data([_column(each) for each in sets]) for sets in (baseline, measured)]
-    notes = [*note_of_same_data("baseline", twice[0]), *note_of_same_data("measured", twice[1])]
+    sides = {"baseline": baseline, "measured": measured}
+    told = [same_data(name, [_column(each) for each in sets]) for name, sets in sides.items()]
+    twice, notes = [repeats for repeats, _ in told], [note for _, own in told for note in own]
     if any(each.std_shapes is None for each in both):
         share = f"{100 * ASSUMED_SHAPE_STD:g} % of the shape's length"
         notes.insert(0, f"Components of shapes without standard deviation count as known to {share}.")

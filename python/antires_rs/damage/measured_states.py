@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import combinations
+from itertools import chain, combinations
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
@@ -64,8 +64,8 @@ class Roots(_Frequencies):
         return replace(self, response=self.response[kept], log_f=self.log_f[kept], slopes=slopes)
 
     def since(self, before: Roots) -> tuple[Roots, NDArray[np.intp]]:
-        """These, and which root of ``before`` each has been."""
-        return self, follow(before, self)
+        """These, and which root of ``before`` each has been; -1 for a new one."""
+        return self, _core.follow(before.response, before.log_f, self.response, self.log_f, _BORN)
 
 
 class Source(Protocol):
@@ -95,11 +95,6 @@ def shown_roots(target: Any, hz: FloatArray, shown: FloatArray, slopes: FloatArr
     seen = (shown >= SHOWN) & (hz > 0.0)
     own = np.empty((0, 0)) if slopes is None else slopes[seen]
     return Roots(target[seen].astype(np.intp), np.log(hz[seen]), own)
-
-
-def follow(before: Roots, after: Roots) -> NDArray[np.intp]:
-    """Number of the root of ``before`` that each root of ``after`` has been; -1 for a new one."""
-    return _core.follow(before.response, before.log_f, after.response, after.log_f, _BORN)
 
 
 # -- Which value belongs to which root: one to one within a response, in ascending order, with gaps
@@ -199,23 +194,19 @@ class Column(NamedTuple):
     asked: bool = True  # looked for, with or without values
 
 
-def same_data(sets: Sequence[Mapping[Any, Column]]) -> dict[int, int]:
-    """Which sets repeat an earlier one at every response with values that both have: later to earlier."""
-
-    def repeated(own: Mapping[Hashable, Column], other: Mapping[Hashable, Column]) -> bool:
+def same_data(name: str, sets: Sequence[Mapping[Any, Column]]) -> tuple[dict[int, int], list[str]]:
+    """Which sets repeat an earlier one at every response with values that both have: later to earlier, and
+    in words."""
+    twice: dict[int, int] = {}
+    for later, earlier in combinations(range(len(sets) - 1, -1, -1), 2):
+        own, other = sets[later], sets[earlier]
         shared = [key for key in own if key in other and own[key].freq.size and other[key].freq.size]
         both = [pair for key in shared for pair in zip(own[key][:2], other[key][:2], strict=True)]
-        return bool(shared) and all(np.array_equal(*pair, equal_nan=True) for pair in both)
-
-    pairs = [(j, i) for i, j in combinations(range(len(sets)), 2) if repeated(sets[j], sets[i])]
-    return {later: earlier for later, earlier in reversed(pairs)}
-
-
-def note_of_same_data(name: str, twice: Mapping[int, int]) -> list[str]:
-    """What was counted once, in words."""
+        if shared and all(np.array_equal(*pair, equal_nan=True) for pair in both):
+            twice[later] = earlier  # the first of all
     why = "number for number, as no second test does: they are counted once."
     pairs = sorted(twice.items())
-    return [f"{name}[{later}] repeats the values of {name}[{earlier}] {why}" for later, earlier in pairs]
+    return twice, [f"{name}[{late}] repeats the values of {name}[{early}] {why}" for late, early in pairs]
 
 
 def values_of(sets: Sequence[Mapping[int, Column]], twice: Mapping[int, int]) -> Values:
@@ -310,7 +301,7 @@ def measured_states(
     common = {force: next(iter(sees)) if len(sees) == 1 else None for force, sees in sight.items()}
     together = {force: nth for nth, force in enumerate(sight)}
     columns = [[_columns(target, numbers) for target in targets] for targets in (before, after)]
-    twice = [same_data(sets) for sets in columns]
+    twice, repeats = zip(*map(same_data, ("baseline", "measured"), columns), strict=True)
     labels = [
         {label: numbers[dof, target.forces[0]] for label, dof in zip(each, target.dofs_of[0], strict=True)}
         for each, target in zip(measured, after, strict=True)
@@ -318,8 +309,7 @@ def measured_states(
     notes = [
         *(note for target in (*before, *after) for note in target.left_out),
         *_not_in_both(model, before, after),
-        *note_of_same_data("baseline", twice[0]),
-        *note_of_same_data("measured", twice[1]),
+        *chain.from_iterable(repeats),
     ]
     parts = [(*each, np.concatenate(own), common[each[1]], together[each[1]]) for each, own in freq.items()]
     assumed = any(not np.isfinite(std).all() for target in (*before, *after) for std in target.stds)

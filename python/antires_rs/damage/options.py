@@ -96,14 +96,15 @@ class SearchOptions(Options):
         """Those of damage without a baseline, and what counts as none."""
         return self.gamma1, self.gamma2, self.snap
 
-    def of(self, scope: str) -> SearchOptions:
-        """The same, checked; options that have no effect in this kind of assessment are refused."""
-        for name, said in self.declared().items():
-            value = getattr(self, name)
-            usual = value is None or value is False or (np.ndim(value) == 0 and value == said.default)
-            if said.scope != scope and not usual:
-                wanted = "together with a baseline" if said.scope == TWO_STATES else ONE_STATE
-                reject(name, value, f"None: it counts only {wanted}", f"Leave {name} out.")
+    def of(self, scope: str, **others: Any) -> SearchOptions:
+        """The same, checked; options that have no effect in this kind of assessment are refused, and
+        ``others``, arguments of the call that count in the other kind alone."""
+        declared = {name: said for name, said in self.declared().items() if said.scope != scope}
+        when = ONE_STATE if scope == TWO_STATES else "together with a baseline"
+        for name, value in (others | {name: getattr(self, name) for name in declared}).items():
+            usual = declared[name].default if name in declared else None
+            if not (value is None or value is False or (np.ndim(value) == 0 and value == usual)):
+                reject(name, value, f"None: it counts only {when}", f"Leave {name} out.")
         if self.environment is not None:
             known = ", ".join(map(repr, SURROUNDINGS))
             given = (self.environment,) if isinstance(self.environment, str) else self.environment

@@ -23,7 +23,6 @@ from .inference import (
     Search,
     fitted,
     refitted,
-    stepped,
     too_much,
 )
 from .likelihood import Likelihood, Prepared, Question
@@ -89,20 +88,9 @@ _SAME_PLACE, _STEP = 2e-3, 0.2  # places so near are one; the first step from a 
 _OVER_PLACES = 1.0  # what the likeliest place of a crack has over the mean of its element (ln), about
 
 
-def found_shapes(search: Search, prepared: Prepared, question: Question) -> Found:
-    """Judge the shapes of a frame beside the sets of elements that a search has found; nothing for others."""
-    found = Found()
-    if isinstance(prepared.responses, Responses):
-        try:
-            _search(search, prepared, question, found)
-        except KeyboardInterrupt:
-            search.interrupted = True
-    return found
-
-
-def _search(search: Search, prepared: Prepared, question: Question, found: Found) -> None:
-    """Add to what is found."""
-    frame = prepared.structure
+def find_shapes(search: Search, prepared: Prepared, question: Question) -> None:
+    """Judge the shapes of a structure beside the sets of elements that a search has found."""
+    found, frame = search.shaped, prepared.structure
     plain = prepared.likelihood.start
     likeliest = max(search.fits.values(), key=lambda fit: fit.log_evidence)
     lost = plain.partner.size - plain.n_matched
@@ -211,7 +199,7 @@ def _refined(
             for fit in fitted(view, [climb.elements]):
                 if climb.elements not in fits or fit.log_evidence > fits[climb.elements].log_evidence:
                     fits[climb.elements] = fit
-        ahead = [stepped(c.elements, v) if extra else c.ahead() for c, v in zip(climbs, views, strict=True)]
+        ahead = [c.ahead(v if extra else None) for c, v in zip(climbs, views, strict=True)]
         if nth < len(errors):
             logs = [view.log_likelihood for view in views]
             least = min(max(logs) - _HOPELESS, sorted(logs)[-_KEPT:][0]) if nth > 1 else -np.inf

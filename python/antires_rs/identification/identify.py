@@ -54,7 +54,6 @@ from .numerators import (
     LARGEST_AHEAD,
     LEAST_SEGMENTS,
     Likeliest,
-    few,
     freedom,
     independent_averages,
     misfit_ahead,
@@ -136,7 +135,8 @@ def _one_by_one(
         for window in cut:
             part = lines.part(window.first, window.last)
             if not use_force or window.first not in shared:
-                shared[window.first] = sweep_of(part, below, *options.orders, rule, options.formulation)
+                orders = rule.min_order, options.max_order
+                shared[window.first] = sweep_of(part, below, *orders, rule, options.formulation)
             parent, swept, background = shared[window.first]
             sweep: PoleSweep = parent
             if use_force:
@@ -178,7 +178,7 @@ def settled(
         formulation = "windows" if lines.segments is None else "joint"
     elif formulation == "auto" and (of_curves or options.use_force):
         formulation = "windows" if lines.segments is None else "numerators"
-    elif formulation == "auto" and few(lines):
+    elif formulation == "auto" and (lines.segments is None or lines.segments.count < LEAST_SEGMENTS):
         # Drift is no noise, and looks like signal.
         clean = not drifting and float(np.median(lines.snr)) >= CLEAN
         formulation = "directions" if not clean else "windows" if lines.segments is None else "numerators"
@@ -204,7 +204,7 @@ def settled(
         counts = [*OF_BOTH, *OF_WINDOWS, f"orders up to {HIGHEST_ORDER}"]
         _say_idle(idle, "fits over windows (given curves and clean single impacts)", counts)
     else:
-        options.rule.check_span(*options.orders)
+        options.rule.check_span(options.rule.min_order, options.max_order)
         counts = [*OF_BOTH, *OF_SWEEP, "min_order", "max_order"]
         _say_idle(
             options.given & {*OF_WINDOWS}, f"the sweep over orders (formulation {formulation!r})", counts

@@ -536,11 +536,6 @@ LEAST_SEGMENTS = 4  # segments without which halves tell nothing
 CLEAN = 3e4  # signal-to-noise power at the median line from which few impacts are as good as curves
 
 
-def few(lines: Lines) -> bool:
-    """Whether there are too few segments to hold some back."""
-    return lines.segments is None or lines.segments.count < LEAST_SEGMENTS
-
-
 def misfit_ahead(cuts: Sequence[tuple[Lines, Likeliest]]) -> float:
     """Misfit of held-back segments to the numerators of the others, in the band's worst part.
 

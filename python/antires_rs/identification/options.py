@@ -253,11 +253,6 @@ class IdentificationOptions:
         return self.call.route == "frf"
 
     @property
-    def orders(self) -> tuple[int, int]:
-        """Lowest and highest order."""
-        return self.rule.min_order, self.max_order
-
-    @property
     def most(self) -> int:
         """No order above it is fitted: the highest order where one was named, else what is allowed at all."""
         free = self.call.max_order is None and self.max_order == USUAL_ORDER

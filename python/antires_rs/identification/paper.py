@@ -26,7 +26,7 @@ import numpy as np
 from ..support.checks import ComplexArray, FloatArray
 from .lines import Lines
 from .options import OF_MAGNITUDES, FitOptions
-from .rational_fit import CommonDenominator, NestedFit, comrade_roots, guessed_weights, share_of_curve
+from .rational_fit import CommonDenominator, NestedFit, comrade_roots, guessed_weights
 from .stabilization import PoleSweep
 
 # -- Real rational functions of frequency squared, for data without phase
@@ -123,7 +123,8 @@ class PowerFit(CommonDenominator):
         below = self.denominator_basis.at(points, d.size - 1) @ d
         slope = np.abs(below[2 * n : 3 * n] - below[3 * n :]) / (2 * step)
         residue = above[:n] / np.maximum(slope, 1e-300)
-        return share_of_curve(2.0 * residue, t.imag, above[n:] / np.maximum(np.abs(below[n : 2 * n]), 1e-300))
+        curve = above[n:] / np.maximum(np.abs(below[n : 2 * n]), 1e-300)
+        return np.asarray(2.0 * residue / np.maximum(np.abs(t.imag) * curve, 1e-300))
 
 
 class PowerSweep(PoleSweep):

@@ -469,12 +469,7 @@ def dominance(
     slope = np.abs(denominator[:, 0] - denominator[:, 1]) / (2 * step)
     residue = numerator[:, 0] / np.maximum(slope, 1e-300)
     curve = numerator[:, 1] / np.maximum(np.abs(denominator[:, 3]), 1e-300)
-    return share_of_curve(residue, s.real, curve)
-
-
-def share_of_curve(residue: FloatArray, distance: FloatArray, curve: FloatArray) -> FloatArray:
-    """Peak of a pole at its ``distance`` from the lines, over the curve there."""
-    return np.asarray(residue / np.maximum(np.abs(distance) * curve, 1e-300))
+    return np.asarray(residue / np.maximum(np.abs(s.real) * curve, 1e-300))
 
 
 # -- Shapes from curves whose poles are known: least squares in the frequency domain (LSFD)

@@ -282,7 +282,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
             sight: dict[str, Any] = {name: evidence.get(name) for name in ("sees", "channels")}
             sight |= {name: getattr(new, name) for name in told}
             new._fill(_original=cls.from_tables(excitation, before, **sight))
-        new._fill(tables=FrozenDict(zip(new, tables.values(), strict=True)), edits=tuple(edits))
+        new._fill(tables=FrozenDict(zip(new.tables, tables.values(), strict=True)), edits=tuple(edits))
         return new
 
     @property

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..exceptions import reject
 from ..support.values import FrozenDict
-from .response_table import Dofs, ResponseTable, check_std, companion, frequencies_hz
+from .response_table import Dofs, ResponseTable, companion, frequencies_hz
 
 NAMED_WITHIN = 0.01  # distance of a frequency named by hand from the value it means, relative
 SAME = 1e-9  # values closer than this are one and the same
@@ -87,13 +87,14 @@ def added(
                 remedy = "Drop the old one first if it is to be replaced."
                 reject("freq_hz", got, "a value that is new", remedy)
     damping, std = (
-        companion(name, np.full(new.size, given) if np.ndim(given) == 0 else given, new.size)
+        companion(
+            name, np.full(new.size, given) if np.ndim(given) == 0 else given, new.size, std=name == "std_hz"
+        )
         for name, given in (
             ("damping_ratio", np.nan if damping_ratio is None else damping_ratio),
             ("std_hz", np.nan if std_hz is None else std_hz),
         )
     )
-    check_std("std_hz", std)
     _check_reason(reason)
     # No method found them: their scores are not known.
     unknown = {name: BY_HAND if own.dtype.kind == "U" else np.nan for name, own in table.scores.items()}

@@ -305,11 +305,12 @@ def tables_of(
             reject("freq_hz", f"dof {dof!r} more than once", "each dof once", "Join its values in one list.")
         frequencies[dof] = frequencies_hz(("freq_hz", dof), value)
     damping, std = (
-        {dof: companion((name, dof), value, n) for dof, value, n in _by_dof(name, given, frequencies, named)}
+        {
+            dof: companion((name, dof), value, n, std=name == "std_hz")
+            for dof, value, n in _by_dof(name, given, frequencies, named)
+        }
         for name, given in (("damping_ratio", damping_ratio), ("std_hz", std_hz))
     )
-    for dof, column in std.items():
-        check_std(("std_hz", dof), column)
     known: dict[Any, dict[str, NDArray[Any]]] = {}
     for dof, own, n in _by_dof("scores", scores, frequencies, named):
         known[dof] = {name: np.asarray(given) for name, given in own.items()}
@@ -332,13 +333,6 @@ def frequencies_hz(name: Name, value: Any, *, empty: bool = True) -> FloatArray:
     return values
 
 
-def check_std(name: Name, array: FloatArray) -> None:
-    """Refuse standard deviations below zero."""
-    if (array < 0.0).any():
-        wanted = "standard deviations of at least 0 Hz"
-        reject(name, f"{np.nanmin(array):g} Hz", wanted, "Pass NaN where it is not known.")
-
-
 def _by_dof(
     name: str, given: Any, frequencies: Mapping[Any, FloatArray], named: Callable[[Name, Any], Any]
 ) -> Iterator[tuple[Any, Any, int]]:
@@ -354,8 +348,8 @@ def _by_dof(
         yield dof, value, frequencies[dof].size
 
 
-def companion(name: Name, value: Any, count: int) -> FloatArray:
-    """One number for each frequency, NaN where not known."""
+def companion(name: Name, value: Any, count: int, *, std: bool) -> FloatArray:
+    """One number for each frequency, NaN where not known; ``std``: standard deviations in Hz."""
     wanted = "one value for each frequency, finite or NaN for not known"
     try:
         array = np.atleast_1d(np.asarray(value, dtype=np.float64)).ravel()
@@ -367,4 +361,7 @@ def companion(name: Name, value: Any, count: int) -> FloatArray:
         reject(name, f"{array.size} values", f"{count}, one for each frequency", remedy)
     if np.isinf(array).any():
         reject(name, "an infinite value", wanted, "Pass NaN where it is not known.")
+    if std and (array < 0.0).any():
+        wanted = "standard deviations of at least 0 Hz"
+        reject(name, f"{np.nanmin(array):g} Hz", wanted, "Pass NaN where it is not known.")
     return array

@@ -70,11 +70,8 @@ class ModelDescription(Value):
 
     def core(self, made: CoreModel | None = None) -> CoreModel:
         """The core's model, from nothing but this description, or from what its recipe ``made``."""
-        return self.applied_to(self.recipe.core() if made is None else made, *self.applied)
-
-    def applied_to(self, core: CoreModel, *every: AppliedParameters) -> CoreModel:
-        """The core's model with parameters applied to the state that ``core`` is."""
-        for applied in every:
+        core = self.recipe.core() if made is None else made
+        for applied in self.applied:
             core = core.at(self.core_parameters(applied.parameters), applied.values)
         return core
 
@@ -190,23 +187,20 @@ class StructuralModel(AroundCore[CoreModel]):
         if vector.shape != (len(chosen),):
             got = f"an array of shape {np.shape(values)}"
             reject("values", got, wanted, "Give a value for each parameter, in their order.")
-        applied = AppliedParameters(chosen, vector)
         model = object.__new__(type(self))
-        after = ModelDescription(before.recipe, (*before.applied, applied))
-        model._build(after, before.applied_to(self._core, applied))
+        after = ModelDescription(before.recipe, (*before.applied, AppliedParameters(chosen, vector)))
+        model._build(after, self._core.at(before.core_parameters(chosen), vector))
         return model
 
     def _by_number(self, parameters: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
         """Parameters whose terms are numbers where they were names of terms."""
-        index = self._recipe.term_index
-
-        def numbered(one: Parameter) -> Parameter:
-            if one.quantity in OF_SECTIONS or all(isinstance(term, int) for term in one.terms):
-                return one
-            terms = (index(one.quantity, term) if isinstance(term, str) else term for term in one.terms)
-            return replace(one, terms=tuple(terms))
-
-        return tuple(map(numbered, parameters))
+        index, numbered = self._recipe.term_index, []
+        for one in parameters:
+            if one.quantity not in OF_SECTIONS and any(isinstance(term, str) for term in one.terms):
+                terms = (index(one.quantity, term) if isinstance(term, str) else term for term in one.terms)
+                one = replace(one, terms=tuple(terms))
+            numbered.append(one)
+        return tuple(numbered)
 
     def _core_for(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
         """The core's model in which ``dofs`` are rows, and these rows."""

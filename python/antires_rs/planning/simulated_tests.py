@@ -14,7 +14,7 @@ from .. import _core
 from ..damage.assess import assess_damage
 from ..damage.inference import HIGHEST, intact_slopes, log_odds_threshold
 from ..damage.likelihood import ERRORS, Likelihood, ModelError, factors_of, learned
-from ..damage.measured_states import FALSE, FOUND, Roots, Values, follow, roots_at
+from ..damage.measured_states import FALSE, FOUND, Roots, Values, roots_at
 from ..damage.options import DamagePrior, SearchOptions
 from ..damage.shapes import BOUNDS
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -93,7 +93,7 @@ def along(intact: Roots, states: Sequence[Roots]) -> list[IntArray]:
     """Number of the intact root that each root of each state has been, -1 for new ones; step by step."""
     found, identity = [], np.arange(intact.size)
     for before, state in zip([intact, *states], states, strict=False):
-        step = follow(before, state)
+        step = state.since(before)[1]
         found.append(identity := np.where(step >= 0, identity[step], -1))
     return found
 
@@ -145,7 +145,7 @@ class Judge:
         states = (self.baseline, self.baseline)
         likelihood = Likelihood(core, n, error, *states, self.options.std_common, self.threads)
         slopes = intact_slopes(likelihood, len(self.test.elements))
-        self.threshold = log_odds_threshold(slopes, self.prior, self.options, self.rng)
+        self.threshold = log_odds_threshold(slopes, self.prior, self.options.false_alarm_rate, self.rng)
 
     def _tabulate(self, error: ModelError, found: list[Roots]) -> None:
         """Place, covariance and slope of every value under every hypothesis."""

@@ -310,7 +310,14 @@ def transient_spectra(
     if noise is not None and noise.min() <= 0.0:
         noise = None
     return CrossSpectra(
-        freq, segments.matrix, len(each), noise, decay, segments=segments, draws=np.arange(len(each))
+        freq,
+        segments.matrix,
+        len(each),
+        noise,
+        decay,
+        n_effective=float(len(each)),
+        segments=segments,
+        draws=np.arange(len(each)),
     )
 
 

@@ -454,7 +454,7 @@ def judged(
     if averaged and len(seen.dofs) > 2:
         # What one force gives with noise and leakage.
         order = min(one_force.forces_named(excitation), len(seen.dofs) - 2)
-        second = np.maximum(one_force.noise_level(seen, order), seen.leakage_of(order))
+        second = np.maximum(one_force.noise_level(seen, order), seen.leakage(order))
     return DataCheck(
         found,
         untested,

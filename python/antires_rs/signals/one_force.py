@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -246,27 +245,22 @@ class Evidence:
     fs_hz: float | None = None
     spread: tuple[float, ...] = HANN_SPREAD  # power that the window puts 0, 1, ... lines beside a tone
     spectra: tuple[ComplexArray, FloatArray] | None = None  # averages of conj(A) B, and noise of the channels
+    _leakage: dict[int, FloatArray] = field(default_factory=dict, init=False, repr=False, compare=False)
 
-    @cached_property
-    def leakage(self) -> FloatArray:
-        """Second eigenvalue that the window makes out of one force, (n_freq,)."""
-        # a line's matrix is then the sum of the neighbours' vectors, spread as the window spreads power; its
+    def leakage(self, order: int = 1) -> FloatArray:
+        """Eigenvalue that the window makes beside those of ``order`` forces, (n_freq,)."""
+        if order in self._leakage:
+            return self._leakage[order]
+        vectors = self.vectors[:, None, :]
+        if order > 1 and self.spectra is not None:
+            matrix, noise = self.spectra
+            root = 1.0 / np.sqrt(noise)
+            values, own = np.linalg.eigh((matrix * (root[:, None] * root)).conj())
+            size = np.sqrt(np.maximum(values[:, None, -order:], 0.0))
+            vectors = (own[:, :, -order:] * size).transpose(0, 2, 1)
+        # A line's matrix is then the sum of the neighbours' vectors, spread as the window spreads power; its
         # eigenvalues are those of the vectors' inner products, which are a smaller matrix.
-        return self._spread_by_window(self.vectors[:, None, :])
-
-    def leakage_of(self, order: int) -> FloatArray:
-        """The same eigenvalue beyond ``order`` forces, (n_freq,)."""
-        if order == 1 or self.spectra is None:
-            return self.leakage
-        matrix, noise = self.spectra
-        root = 1.0 / np.sqrt(noise)
-        values, vectors = np.linalg.eigh((matrix * (root[:, None] * root)).conj())
-        size = np.sqrt(np.maximum(values[:, None, -order:], 0.0))
-        return self._spread_by_window((vectors[:, :, -order:] * size).transpose(0, 2, 1))
-
-    def _spread_by_window(self, vectors: ComplexArray) -> FloatArray:
-        """Next eigenvalue of the sum of neighbours' vectors, (n_freq, r, n), as the window spreads power."""
-        n, order = vectors.shape[:2]
+        n, known = vectors.shape[:2]
         parts = [vectors]
         for shift, power in enumerate(self.spread[1:], start=1):
             if power > LEAST_SPREAD:
@@ -275,10 +269,12 @@ class Evidence:
                     moved[max(step, 0) : n + min(step, 0)] = vectors[max(-step, 0) : n - max(step, 0)]
                     parts.append(np.sqrt(power) * moved)
         stack = np.concatenate(parts, axis=1)
-        if stack.shape[1] <= order:
-            return np.zeros(n)
-        inner = stack.conj() @ stack.transpose(0, 2, 1)
-        return np.asarray(np.maximum(np.linalg.eigvalsh(inner)[:, -1 - order], 0.0), dtype=np.float64)
+        found = np.zeros(n)
+        if stack.shape[1] > known:
+            inner = stack.conj() @ stack.transpose(0, 2, 1)
+            found = np.maximum(np.linalg.eigvalsh(inner)[:, -1 - known], 0.0)
+        self._leakage[order] = found
+        return found
 
 
 def of_spectra(spectra: CrossSpectra, dofs: tuple[Any, ...], averages: Averages) -> Evidence:
@@ -414,7 +410,7 @@ def one_force(seen: Evidence, order: int = 1) -> CheckResults:
     first, second = seen.eigenvalues[:, 0], seen.eigenvalues[:, 1]
     share = second / np.maximum(first, 1e-300)
     limit = OVER_NOISE * noise_level(seen)
-    counts = (second > limit) & (second > OVER_LEAKAGE * seen.leakage) & (share > LEAST_SHARE)
+    counts = (second > limit) & (second > OVER_LEAKAGE * seen.leakage()) & (share > LEAST_SHARE)
     lines = float(counts.mean())
     if lines > LINES:
         middle = float(np.median((second - 0.5 * limit)[counts] / first[counts]))
@@ -515,7 +511,7 @@ def _stands_out(seen: Evidence, order: int) -> NDArray[np.bool_]:
     own = seen.eigenvalues[:, order]
     counts = (own > OVER_NOISE * noise_level(seen, order)) & (own > LEAST_SHARE * seen.eigenvalues[:, 0])
     if counts.any():
-        counts &= own > OVER_LEAKAGE * seen.leakage_of(order)
+        counts &= own > OVER_LEAKAGE * seen.leakage(order)
     return np.asarray(counts)
 
 

@@ -181,15 +181,10 @@ def without_force(rec: Recording) -> Recording:
 
 
 def check_recording(rec: object) -> None:
-    """Refuse what is not a Recording."""
+    """Refuse what is not a Recording, or one whose samples are not even, which only ``align`` can use."""
     if not isinstance(rec, Recording):
         got = type(rec).__name__
         reject("rec", got, "a Recording", "Make one of the arrays first: Recording(responses, fs_hz).")
-    refuse_gaps(rec)
-
-
-def refuse_gaps(rec: Recording) -> None:
-    """Refuse a record whose samples are not even, which only ``align`` can use."""
     for part in parts_of(rec):
         steps = np.diff(part.time_s) if part.time_s is not None else ()
         odd = np.flatnonzero(np.abs(np.asarray(steps) * part.fs_hz - 1.0) > 0.5)

@@ -17,7 +17,7 @@ from ..exceptions import Argument, reject
 from ..support.checks import ComplexArray
 from ..support.values import frozen
 from .frequency_response import FrequencyResponse
-from .recording import PooledRecording, Recording, refuse_gaps
+from .recording import PooledRecording, Recording, check_recording
 from .spectra import running_mean
 
 FREEDOM = 20.0  # degrees of freedom that the scatter of a mean should have, a line of one curve giving two
@@ -37,7 +37,7 @@ def one_source(source: Any, name: str = "source") -> Any:
     """A list of records or of responses as one of them; anything else as it is."""
     if not isinstance(source, list | tuple):
         if isinstance(source, Recording):
-            refuse_gaps(source)
+            check_recording(source)
         return source
     if not source:
         reject(name, "an empty list", "one measurement or more", "Name the records of the test.")
@@ -89,7 +89,7 @@ def pooled(records: Sequence[Recording], name: str = "source") -> Recording:
     """Records of one test as one; the force is kept where all have it."""
     first, same = records[0], []
     for i, rec in enumerate(records):
-        refuse_gaps(rec)
+        check_recording(rec)
         if rec.fs_hz != first.fs_hz:
             got = f"a sampling rate of {rec.fs_hz:g} Hz"
             wanted = f"that of the first record, {first.fs_hz:g} Hz"

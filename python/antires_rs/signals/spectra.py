@@ -14,7 +14,7 @@ Random Data, 4th ed., 2010; G. T. Rocklin, J. Crowley, H. Vold, Proc. IMAC 3 (19
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
 
@@ -280,14 +280,11 @@ class CrossSpectra:
     """Noise part of the diagonal, (n,), where it was measured: before an impact."""
     added_decay_per_s: float = 0.0
     """Of an exponential window; roots identified from these spectra carry it in their real part."""
-    n_effective: float = 0.0
-    """Independent averages that would scatter as much, fewer where segments overlap; 0 for all of them."""
+    n_effective: float = field(kw_only=True)
+    """Independent averages that would scatter as much, fewer where segments overlap."""
     segments: Segments | None = None
     draws: NDArray[np.int64] | None = None
     """To which of several draws, records or impacts, each segment belongs; None for one record."""
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "n_effective", self.n_effective or float(self.n_averages))
 
     @cached_property
     def noise_power(self) -> FloatArray:

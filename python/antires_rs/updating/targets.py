@@ -421,8 +421,10 @@ class AntiresonanceTargets:
             self._add(model, nth)
         counts = [len(part[2]) for part in self.parts]
         self.hz = np.concatenate([np.empty(0), *(part[2] for part in self.parts)])
-        self.dofs = np.repeat(_end_array([part[0] for part in self.parts]), counts)
-        self.excitations = np.repeat(_end_array([part[1] for part in self.parts]), counts)
+        ends = ([part[side] for part in self.parts] for side in (0, 1))
+        # Several dofs at once are an entry, not an axis.
+        arrays = (np.array(e) if all(isinstance(end, int) for end in e) else label_array(e) for e in ends)
+        self.dofs, self.excitations = (np.repeat(own, counts) for own in arrays)
         #: What the tables call the dofs: "mass 3", "node 3 v"; none where they are numbers only.
         named = {dof for i, k, *_ in self.parts for end in (i, k) for dof in members(end)}
         labels = {dof: model.dof_label(dof) for dof in sorted(named)}
@@ -508,11 +510,6 @@ class AntiresonanceTargets:
             return (found, joined) if joined.size else None
 
         return measured
-
-
-def _end_array(ends: Sequence[End]) -> Any:
-    """Responses or forces, (n,): of integers, or where some are several dofs of objects."""
-    return np.array(ends) if all(isinstance(end, int) for end in ends) else label_array(ends)
 
 
 def _channels(model: StructuralModel, found: AntiresonanceSet) -> list[End]:
