@@ -26,11 +26,12 @@ from ..identification.stabilization import StabilizationDiagram
 from ..io.archive import Store, read_store, versions, write_store
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
-from ..measured.response_table import Dofs, ResponseTable
+from ..measured.response_table import ResponseTable
 from ..signals.averaging import choose_nperseg
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..signals.transfer_functions import transmissibility
+from ..support.checks import Dofs
 from ..support.files import write_atomically
 from ..support.messages import warn
 from ..updating.problem import UpdatingProblem

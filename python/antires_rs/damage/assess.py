@@ -37,6 +37,7 @@ from .inference import BLIND, FURTHEST, HIGHEST, Search, concluded, confirmed, l
 from .likelihood import Likelihood, Prepared, Question
 from .measured_states import ASSUMED_STD, Responses, unfit
 from .options import ONE_STATE, TWO_STATES, DamagePrior, SearchOptions, checked_prior
+from .reduced_roots import ReducedRoots
 from .severity_intervals import severity_intervals, severity_profile
 from .shape_search import find_shapes
 from .words import (
@@ -416,7 +417,8 @@ def infer(
     prepared = question.prepared(threads)
     search = Search(prepared.likelihood, len(question.elements), question.prior)
     search.run()
-    reduction = confirmed(search, prepared.likelihood)
+    source = prepared.likelihood.core
+    reduction = confirmed(search, prepared.likelihood, source) if isinstance(source, ReducedRoots) else None
     identified = isinstance(prepared.responses, Responses)  # modes have no shapes beside elements
     if question.baseline and identified and not question.reduced and not search.interrupted:
         try:

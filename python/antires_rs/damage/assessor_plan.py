@@ -380,7 +380,7 @@ class Plan:
     def alike(self) -> list[list[tuple[int, float]]]:
         """By element, those with the sensitivities most like its own, and the loss of each that is like 1."""
         likelihood = self.prepared.likelihood
-        slopes = intact_slopes(likelihood, likelihood.n)
+        (slopes,) = intact_slopes(likelihood, likelihood.n)
         products = slopes.T @ slopes
         size = np.maximum(np.diag(products), 1e-300)
         likeness = products / np.sqrt(np.outer(size, size)) - 2.0 * np.eye(size.size)
@@ -689,10 +689,13 @@ class QuickSearch(Search):
                 chosen.setdefault((elements, at), start)
         return chosen
 
-    def _larger(self, elements: Elements, view: View) -> list[int]:
-        """Elements that would gain something, and those without damage all."""
-        further, gains = self._further(elements), view.gains
-        return sorted(further, key=lambda e: -gains[e])[: _JOINED[len(elements)]] if elements else further
+    def _further(self, elements: Elements, view: View | None = None) -> list[int]:
+        """See the base class; as seen from a point those that would gain most."""
+        further = super()._further(elements)
+        if view is None or not elements:
+            return further
+        gains = view.gains
+        return sorted(further, key=lambda e: -gains[e])[: _JOINED[len(elements)]]
 
     def _u(self, elements: Elements) -> FloatArray:
         fit, rough = self.fits.get(elements), self.rough.get(elements)
@@ -716,7 +719,7 @@ class QuickSearch(Search):
                 self._judge_from(self.likelihood.seen(near[0], u), near[0])
                 if np.abs(self._u(near[0]) - u).max() <= _SURE_RESTS:
                     break
-            self._judge_larger(near[0], self.fits[near[0]].view)
+            self._judge(near[0], self.fits[near[0]].view, itself=False)
         if size == 1:
             self._grow()
 
@@ -767,7 +770,7 @@ class QuickSearch(Search):
             self._judge_from(view, elements)
             u = self._u(elements)
         if self.looks > before:
-            self._judge_larger(elements, self.fits[elements].view)
+            self._judge(elements, self.fits[elements].view, itself=False)
 
     def _explains(self, gain: float) -> bool:
         """See the base class; nor may a set be likelier that was not judged."""

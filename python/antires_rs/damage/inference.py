@@ -388,22 +388,15 @@ class Search:
         """How many sets of a size get another element."""
         return _PARENTS[min(size, len(_PARENTS) - 1)] if self._any() else _UNTOLD
 
-    def _further(self, elements: Elements) -> list[int]:
-        """Elements that may join a set."""
+    def _further(self, elements: Elements, view: View | None = None) -> list[int]:
+        """Elements that may join a set; those that are judged with it, where it is seen from a point."""
+        del view
         return [e for e in range(self.n_candidates if elements else self.likelihood.n) if e not in elements]
 
-    def _larger(self, elements: Elements, view: View) -> list[int]:
-        """Elements with which a set is judged too, from the same point."""
-        return self._further(elements)
-
-    def _judge(self, elements: Elements, view: View) -> None:
-        """Tell the evidence of a set, and of those with one element more, as seen from one point."""
-        self._keep(fitted(view, [elements]))
-        self._judge_larger(elements, view)
-
-    def _judge_larger(self, elements: Elements, view: View) -> None:
-        """Tell the evidence of the sets with one element more."""
-        larger = [] if len(elements) == LARGEST or self.outside(elements) else self._larger(elements, view)
+    def _judge(self, elements: Elements, view: View, *, itself: bool = True) -> None:
+        """Tell the evidence of a set ``itself`` and of those with one element more, as seen from a point."""
+        self._keep(fitted(view, [elements]) if itself else [])
+        larger = [] if len(elements) == LARGEST or self.outside(elements) else self._further(elements, view)
         if larger:
             self._keep(fitted(view, [tuple(sorted((*elements, e))) for e in larger]))
 
@@ -647,13 +640,11 @@ _BESIDES = 1.12
 
 
 def log_odds_threshold(
-    slopes: FloatArray, prior: DamagePrior, rate: float | None, rng: np.random.Generator
-) -> float | None:
+    slopes: FloatArray, prior: DamagePrior, rate: float, rng: np.random.Generator
+) -> float:
     """Log odds of damage that this share of intact tests exceeds; ``slopes`` are ``intact_slopes``."""
     from scipy.special import logsumexp
 
-    if rate is None:
-        return None
     n = slopes.shape[1]
     size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-6)
     # Height of each severity's peak over its standard deviation, and the room that it has from 0 on.
@@ -665,14 +656,9 @@ def log_odds_threshold(
     return least + prior.log_of(1, n) - prior.log_of(0, n)
 
 
-def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
-    """Changes of the baseline's values by each severity, over the errors they will have, made independent."""
-    found: FloatArray = _whitened(likelihood, n_candidates, 0)[0]
-    return found
-
-
-def _whitened(likelihood: Likelihood, n_candidates: int, draws: int) -> FloatArray:
-    """The same (1 + k, m, n), of the model after the baseline and of those of some draws that it allows."""
+def intact_slopes(likelihood: Likelihood, n_candidates: int, draws: int = 0) -> FloatArray:
+    """Changes of the baseline's values by each severity, over the errors they will have, made independent,
+    (1 + k, m, n): of the model after the baseline, and of those of some draws that it allows."""
     from scipy.linalg import cho_solve, solve_triangular
 
     error, n, now = likelihood.error, likelihood.n, likelihood.now
@@ -767,11 +753,8 @@ _SHARE, _MOST = 0.01, 6  # hypotheses of at least this probability are confirmed
 _STEPS, _RESTS = 4, 1e-4  # Newton steps of each, and when it has come to rest, in u
 
 
-def confirmed(search: Search, likelihood: Likelihood) -> ReductionReport | None:
-    """Judge what matters of a search anew, and tell how full and reduced model agree; None without one."""
-    source = likelihood.core
-    if not isinstance(source, ReducedRoots):
-        return None
+def confirmed(search: Search, likelihood: Likelihood, source: ReducedRoots) -> ReductionReport:
+    """Judge what matters of a search anew, and tell how full and reduced model agree."""
     apart: dict[Elements, float] = {}
     try:
         while len(apart) < _MOST:
@@ -836,9 +819,9 @@ def learned_from(
 ) -> Learned:
     """What is known before the values of now are looked at."""
     likelihood, intact, prior = prepared.likelihood, prepared.intact, question.prior
-    error, odd = likelihood.error, prepared.odd
+    error, odd, rate = likelihood.error, prepared.odd, question.options.false_alarm_rate
     draws = 0 if question.reduced else _STRUCTURES
-    slopes, *others = _whitened(likelihood, len(question.elements), draws)
+    slopes, *others = intact_slopes(likelihood, len(question.elements), draws)
     gain_std = max(error.gain_std, _ERRS * error.s)
     smallest = smallest_found(slopes, prior, gain_std, np.array(others) if others else None)
     own = [prepared.responses.tests[nth] for nth in intact.tests.tolist()]
@@ -854,7 +837,7 @@ def learned_from(
         outside=error.outside,
         low=likelihood.band.low,
         high=likelihood.band.high,
-        threshold=log_odds_threshold(slopes, prior, question.options.false_alarm_rate, rng),
+        threshold=None if rate is None else log_odds_threshold(slopes, prior, rate, rng),
         detectable=tuple(smallest.tolist()),
         assumed_std=prepared.responses.assumed,
         n_intact=intact.size,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import chain, combinations
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 
@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from .. import _core
 from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..models.structural_model import End, members
-from ..support.checks import FloatArray
+from ..models.structural_model import End
+from ..support.checks import FloatArray, label_text, members
 from ..support.messages import some
 from ..updating.targets import AntiresonanceTargets, Part, antiresonance_objective
 
@@ -363,9 +363,10 @@ def _not_in_both(
 
 def _named(model: StructuralModel, responses: Sequence[Response] | Mapping[Response, int]) -> str:
     forces = {force for _, force in responses}
-    at = {force: f" (force at {model._end_label(force)})" if len(forces) > 1 else "" for force in forces}
+    labelled = partial(label_text, named=model.dof_label)
+    at = {force: f" (force at {labelled(force)})" if len(forces) > 1 else "" for force in forces}
     ordered = sorted(responses, key=lambda one: (members(one[1]), members(one[0])))
-    return some((model._end_label(dof) + at[force] for dof, force in ordered), 6)
+    return some((labelled(dof, listed=True) + at[force] for dof, force in ordered), 6)
 
 
 # -- How tests of the intact structure scatter, and which of them contradict each other, by how much: two are

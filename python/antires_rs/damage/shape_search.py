@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.parameters import stiffness_reduction
-from ..models.structural_model import StructuralModel, members
-from ..support.checks import FloatArray
+from ..models.structural_model import StructuralModel
+from ..support.checks import FloatArray, members
 from ..support.progress import step
 from .inference import (
     FURTHEST,

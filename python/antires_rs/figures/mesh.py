@@ -14,8 +14,7 @@ import numpy as np
 
 from ..exceptions import reject
 from ..models.frame import FrameModel
-from ..models.structural_model import members
-from ..support.checks import FloatArray, IntArray, real_array
+from ..support.checks import FloatArray, IntArray, members, real_array
 from ..support.directions import point_of
 from ..support.files import write_atomically
 from .canvas import draw, new_axes

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from ..exceptions import AntiresError
-from ..measured.response_table import forces_at
 from ..signals.repeats import one_source
+from ..support.checks import forces_at
 from .live_canvas import require_bokeh
 from .page_session import Session, SetView, View
 

@@ -24,11 +24,11 @@ from ..identification.stabilization import StabilizationDiagram
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.edits import NAMED_WITHIN
 from ..measured.replay import Asked, asked_of, replayed, to_json
-from ..measured.response_table import Dofs, doubts_of, force_label
+from ..measured.response_table import doubts_of
 from ..signals.averaging import Averages, Averaging, average
 from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.recording import Recording
-from ..support.checks import FloatArray, finite_scalar, frequency_band, integer
+from ..support.checks import Dofs, FloatArray, finite_scalar, force_label, frequency_band, integer
 from ..support.files import write_atomically
 from .identification import SEEN_ABOVE, Curve, curve_of, evidence_figure, mark_columns, pole_table
 from .live_canvas import item

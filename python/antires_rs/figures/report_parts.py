@@ -33,7 +33,7 @@ from .live_canvas import explored
 from .marks import Line, Scene
 from .mesh import MOST_MODES, has_mesh, page_data, plot_mesh, scene, shapes_of
 from .packing import library, packed, packed_text
-from .responses import dof_name, name_of
+from .responses import dof_name
 from .structure import chain, frame, plot_chain, plot_frame, seen_points
 from .updating import convergence, differences, plot_convergence, plot_differences
 
@@ -598,9 +598,9 @@ def _frequency_rows(table: Any, names: list[str]) -> list[dict[str, Any]]:
         for row, mode in zip(rows, table.mode, strict=True):
             row.update(mode=mode, group=mode == table.mode[0])
         return rows
-    last, called = None, table.dof_names
+    last = None
     for row, dof, force in zip(rows, table.dof.tolist(), table.excitation.tolist(), strict=True):
-        row.update(group=(dof, force) != last, dof=name_of(called, dof), force=name_of(called, force))
+        row.update(group=(dof, force) != last, dof=table.named(dof), force=table.named(force))
         last = (dof, force)
     return rows
 

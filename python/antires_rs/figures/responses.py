@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.transfer_functions import transmissibility_sum
-from ..support.checks import FloatArray
+from ..support.checks import FloatArray, label_text
 from .canvas import band_shown, draw, new_axes
 from .marks import Axis, Line, Mark, Panel, Rules
 
@@ -162,13 +162,4 @@ def _level(values: Any) -> FloatArray:
 
 def dof_name(model: StructuralModel, dof: Any) -> str:
     """A dof as the tables name it, or several of them."""
-    if isinstance(dof, tuple):
-        return " and ".join(dof_name(model, one) for one in dof)
-    return str(model.dof_name(dof)) if hasattr(model, "dof_name") else f"dof {dof}"
-
-
-def name_of(names: Mapping[int, str], end: Any, otherwise: str = "") -> Any:
-    """A response or force of a table by its name, several dofs by theirs; a number where there is none."""
-    if isinstance(end, tuple):
-        return ", ".join(str(name_of(names, dof, otherwise)) for dof in end)
-    return names.get(end, f"{otherwise}{end}" if otherwise else end)
+    return label_text(dof, getattr(model, "dof_name", "dof {}".format))

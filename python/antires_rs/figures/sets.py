@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..exceptions import reject
-from ..measured.response_table import forces_at
+from ..support.checks import forces_at
 from ..support.messages import keywords_left
 from .canvas import draw, new_axes
 from .live_canvas import explored, stacked

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..exceptions import reject
-from ..models.structural_model import members
-from ..support.checks import FloatArray, integer, real_array
+from ..support.checks import FloatArray, integer, members, real_array
 from .canvas import draw, fit_across, new_axes, width_pt
 from .marks import Arrows, Axis, Line, Mark, Panel, Paths, Points, Words, xy
 

@@ -10,7 +10,6 @@ import numpy as np
 from ..exceptions import reject
 from .canvas import draw, new_axes, plain_log, text_width_pt, width_pt
 from .marks import Axis, Bars, Heads, Line, Mark, Panel, Points, Rules, turn
-from .responses import name_of
 
 if TYPE_CHECKING:
     from ..optimize.island_ga import OptimizeResult
@@ -133,9 +132,9 @@ def _responses(table: Any) -> tuple[Any, list[tuple[int, int, str]], list[str], 
     pairs = list(zip(dof.tolist(), force.tolist(), strict=True))
     ends, named = [*np.flatnonzero(starts).tolist(), dof.size], []
     for first, end in pairwise(ends):
-        short = [str(name_of(names, which)).replace("mass ", "") for which in pairs[first]]
+        short = [table.named(which).replace("mass ", "") for which in pairs[first]]
         named.append((first, end, ", ".join(short) if several else f"{title * (first == 0)}{short[0]}"))
-    whole = [[name_of(names, which, "dof ") for which in pair] for pair in pairs]
+    whole = [[table.named(which, "dof {}") for which in pair] for pair in pairs]
     of = [f"{p}, force at {k}" if several else p for p, k in whole]
     groups = "response and force dof" if several else "response dof"
     return starts, named, of, f"Measured antiresonance (Hz), by {groups} (above)"

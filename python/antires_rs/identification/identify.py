@@ -32,7 +32,7 @@ from ..exceptions import InvalidInputError, NumericalError, UnsuitableDataError,
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.matching import check_set
 from ..measured.merge import merge_setups
-from ..measured.response_table import Dofs, ResponseTable, force_label, key_of
+from ..measured.response_table import ResponseTable, key_of
 from ..signals.averaging import Averages, average, drifts
 from ..signals.data_check import judged, judged_together
 from ..signals.frequency_response import FrequencyResponse, band_of
@@ -40,7 +40,7 @@ from ..signals.one_force import DataCheck
 from ..signals.recording import Recording, without_force
 from ..signals.repeats import AveragedResponse, one_source
 from ..signals.spectra import dominant
-from ..support.checks import FloatArray
+from ..support.checks import Dofs, FloatArray, force_label
 from ..support.messages import warn
 from ..support.options import gathered
 from ..support.progress import one_blas_thread, patient, step

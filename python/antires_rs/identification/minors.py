@@ -37,14 +37,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import Argument, UnsuitableDataError, reject
-from ..measured.response_table import Dofs, key_of
+from ..measured.response_table import key_of
 from ..signals.averaging import Averages
 from ..signals.data_check import ROUGH
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..signals.repeats import as_first
 from ..signals.spectra import FLOOR_LINES, GAIN, LEAST_NOISE, LINES, Segments, pieces, second_differences
-from ..support.checks import ComplexArray, FloatArray
+from ..support.checks import ComplexArray, Dofs, FloatArray
 from .lines import Lines, require_live, unit
 from .stability import Directions
 

@@ -237,15 +237,14 @@ class NumeratorSweep:
         for one, own in zip(c, orders.tolist(), strict=True):
             one[: own + 1] = self._solution(own)
         share = self.fit.dominances(c[at], self.row, s, self.others)
-        return np.where(shared(s, [other._side_by_side(orders)[at] for other in self.companions]), 0.0, share)
-
-    def _side_by_side(self, orders: NDArray[np.int64]) -> ComplexArray:
-        """Roots of so many orders, (n, most), infinite where one has fewer."""
-        out = np.full((orders.size, orders.max(initial=0)), np.inf, dtype=np.complex128)
-        for one, order in zip(out, orders.tolist(), strict=True):
-            roots = self.roots(order)
-            one[: roots.size] = roots
-        return out
+        beside = []
+        for other in self.companions:  # roots of each order, infinite where one has fewer
+            every = np.full((orders.size, orders.max(initial=0)), np.inf, dtype=np.complex128)
+            for one, order_of_one in zip(every, orders.tolist(), strict=True):
+                found = other.roots(order_of_one)
+                one[: found.size] = found
+            beside.append(every[at])
+        return np.where(shared(s, beside), 0.0, share)
 
 
 # -- The likeliest numerators: weights and order found together

@@ -43,9 +43,9 @@ from ..measured.response_table import (
     ResponseTable,
 )
 from ..signals import channel_checks as channels
-from ..signals.one_force import NOISE, ONE_FORCE, UNEXPLAINED, DataCheck, forces_named
+from ..signals.one_force import NOISE, ONE_FORCE, UNEXPLAINED, DataCheck
 from ..signals.spectra import prominent_peaks
-from ..support.checks import ComplexArray, FloatArray
+from ..support.checks import ComplexArray, FloatArray, members
 from .stabilization import PERSISTENT_SNR, StabilizationDiagram, flanked
 
 WEAK_SHARE, WEAK_DEPTH_DB = 0.7, 4.0  # of fits over windows
@@ -168,7 +168,7 @@ def with_second(table: ResponseTable, checked: DataCheck | None) -> ResponseTabl
     if checked is None or checked.freq_hz is None or checked.second_expected is None:
         return table
     assert checked.eigenvalues is not None
-    order = forces_named(checked.excitation)
+    order = len(members(checked.excitation))
     if checked.eigenvalues.shape[1] <= order:
         return table
     share = checked.eigenvalues[:, order] / np.maximum(checked.eigenvalues[:, order - 1], 1e-300)

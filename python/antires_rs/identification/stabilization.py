@@ -366,6 +366,13 @@ def diagram(
             shares.append(share)
     freq, damping, counts, spread = np.array(values).reshape(-1, 4).T
     found = ResponseTable.of_sweep(freq, damping, rows=counts, spread=spread, dominance=shares, how="chain")
+    # Chains closer than the tolerance are one pole, interrupted or split by noise; the longest stays.
+    kept: list[int] = []
+    for i, value in enumerate(found.freq_hz):
+        if kept and value - found.freq_hz[kept[-1]] <= rule.freq_tol * value:
+            kept[-1] = max(kept[-1], i, key=lambda at: found.rows[at])
+        else:
+            kept.append(i)
     rows = [s + added_decay_per_s for s in rows]
     sizes = [np.abs(s) for s in rows]
     return StabilizationDiagram(
@@ -373,7 +380,7 @@ def diagram(
         freq_hz=tuple(frozen(size / (2 * np.pi)) for size in sizes),
         damping_ratio=tuple(frozen(-s.real / size) for s, size in zip(rows, sizes, strict=True)),
         stable=tuple(frozen(mark) for mark in stable),
-        accepted=_merged(found, rule),
+        accepted=found.take(kept),
         background_freq_hz=frozen(freq_hz),
         background=frozen(background),
         band_hz=band,
@@ -406,17 +413,6 @@ def _value(
     middle = median(size.tolist())
     damping = median((-roots.real / size).tolist())
     return middle / (2 * np.pi), damping, len(members), float(np.std(size) / middle)
-
-
-def _merged(found: ResponseTable, rule: FitOptions) -> ResponseTable:
-    """Chains closer than the tolerance are one pole, interrupted or split by noise; the longest stays."""
-    kept: list[int] = []
-    for i, freq in enumerate(found.freq_hz):
-        if kept and freq - found.freq_hz[kept[-1]] <= rule.freq_tol * freq:
-            kept[-1] = max(kept[-1], i, key=lambda at: found.rows[at])
-        else:
-            kept.append(i)
-    return found.take(kept)
 
 
 # -- A value in the middle of a valley of noise is believed only if the response is seen on both of its flanks

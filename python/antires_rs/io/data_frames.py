@@ -14,10 +14,11 @@ from ..damage.hypotheses import Hypotheses, Hypothesis
 from ..measured.antiresonance_set import NOT_SEEN, AntiresonanceSet
 from ..measured.compare import Comparison
 from ..measured.edits import BY_HAND
-from ..measured.response_table import Dofs, label_array
+from ..measured.response_table import label_array
 from ..measured.track import Tracks
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
+from ..support.checks import Dofs
 from ..updating.posterior import ParameterIntervals
 from .common import require
 

@@ -15,25 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import InvalidInputError, Name, reject
-from ..support.checks import FloatArray, choice
+from ..support.checks import Dofs, FloatArray, choice, force_label, forces_at, label, members
 from ..support.files import marked_json, write_atomically
 from ..support.messages import keywords_left
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
 from .edits import BY_HAND, Edit, added, dropped, edit_of, marked
-from .response_table import (
-    NUMBERS,
-    Dofs,
-    ResponseTable,
-    check_frequencies,
-    doubts_of,
-    force_label,
-    forces_at,
-    frequencies_hz,
-    key_of,
-    label,
-    tables_of,
-)
+from .response_table import NUMBERS, ResponseTable, doubts_of, frequencies_hz, key_of, tables_of
 
 if TYPE_CHECKING:
     from ..signals.one_force import DataCheck
@@ -129,7 +117,6 @@ def _read(rows: Any, named: Callable[[Name, Any], Any]) -> dict[Any, ResponseTab
                 out[name][dof] = [np.nan if v is None else v for v in row[name]]
         if "scores" in row:
             out["scores"][dof] = {name: _column(values) for name, values in row["scores"].items()}
-    check_frequencies(out["freq_hz"])
     return tables_of(**out, named=named)
 
 
@@ -139,13 +126,6 @@ def _column(values: list[Any]) -> NDArray[Any]:
         if values and all(isinstance(v, kind) for v in values):
             return np.array(values, dtype=dtype)
     return np.array([np.nan if v is None else v for v in values], dtype=np.float64)
-
-
-def _labels_of(given: Iterable[Any]) -> tuple[Any, ...]:
-    """Channels, each once."""
-    if isinstance(given, str | bytes) or not isinstance(given, Iterable):
-        reject("channels", given, "a list of dofs", "Put the dofs in a list, such as channels=[0, 1].")
-    return tuple(dict.fromkeys(label("channels", dof) for dof in given))
 
 
 class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
@@ -171,7 +151,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     Attributes
     ----------
     order : int
-        How many forces acted at once, r.
+        How many forces acted at once, r; of so many dofs each key consists.
     options : dict
         How it was identified: every option by name, the band, the package's version; of a record
         "response_level", how strongly it shook, in its unit, and where it was judged "held_back_misfit", what
@@ -215,6 +195,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     """
 
     excitation: Any = None
+    order: int = 1
     tables: Mapping[Any, ResponseTable] = FrozenDict()
     sees: Sees = None
     channels: tuple[Any, ...] = ()
@@ -241,13 +222,19 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         options: Mapping[str, Any] | None = None,
     ) -> None:
         choice("sees", sees, ("frf", "transmissibility", None))
-        check_frequencies(freq_hz)
+        if not isinstance(freq_hz, Mapping) or not freq_hz:
+            got = "an empty mapping" if isinstance(freq_hz, Mapping) else type(freq_hz).__name__
+            wanted = "a mapping of dof to frequencies in Hz, e.g. {0: [12.2, 36.2], 1: []}"
+            reject("freq_hz", got, wanted, "Pass a dict; an empty list stands for no antiresonance.")
         force = force_label("excitation", excitation)
-        listed = None if channels is None else _labels_of(channels)
+        if isinstance(channels, str | bytes) or not isinstance(channels, Iterable | None):
+            reject("channels", channels, "a list of dofs", "Put the dofs in a list, such as channels=[0, 1].")
+        named_once = dict.fromkeys(label("channels", dof) for dof in channels or ())
+        listed = None if channels is None else tuple(named_once)
         named = key_of(force, freq_hz, listed or ())
         tables = tables_of(freq_hz, damping_ratio, std_hz, scores, named)
         drawn = {dof: one for dof, one in (diagrams or {}).items() if hasattr(one, "unexplained_hz")}
-        self._fill(excitation=force, tables=FrozenDict(tables), sees=sees)
+        self._fill(excitation=force, order=len(members(force)), tables=FrozenDict(tables), sees=sees)
         missing = [dof for dof in self._responses() if dof not in listed] if listed else []
         if missing:
             remedy = "Add it: it was measured too. Leave channels out if there were no others."
@@ -284,11 +271,6 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
             new._fill(_original=cls.from_tables(excitation, before, **sight))
         new._fill(tables=FrozenDict(zip(new.tables, tables.values(), strict=True)), edits=tuple(edits))
         return new
-
-    @property
-    def order(self) -> int:
-        """How many forces acted at once: of so many dofs each key consists."""
-        return len(self.excitation) if isinstance(self.excitation, Dofs) else 1
 
     def _responses(self) -> tuple[Any, ...]:
         """Dofs of all keys; numbers ascend where keys have several."""

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import reject
-from ..support.checks import FloatArray
+from ..support.checks import FloatArray, forces_at
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
 from . import matching
 from .antiresonance_set import AntiresonanceSet, aligned, number
 from .matching import MAX_SHIFT, SeriesOfTests, check_set, variance_hz, within
-from .response_table import forces_at, label_array
+from .response_table import label_array
 
 #: Ratio of how strongly two tests shook from which amplitude is named as a reason of differences.
 OTHER_AMPLITUDE = 1.5

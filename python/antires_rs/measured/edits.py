@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import reject
+from ..support.checks import Dofs
 from ..support.values import FrozenDict
-from .response_table import Dofs, ResponseTable, companion, frequencies_hz
+from .response_table import ResponseTable, companion, frequencies_hz
 
 NAMED_WITHIN = 0.01  # distance of a frequency named by hand from the value it means, relative
 SAME = 1e-9  # values closer than this are one and the same

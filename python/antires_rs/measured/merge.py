@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import UnsuitableDataError, reject
-from ..support.checks import FloatArray, choice
+from ..support.checks import FloatArray, choice, force_label
 from ..support.messages import warn
 from .antiresonance_set import AntiresonanceSet
 from .matching import MAX_SHIFT, averages_of, check_sets, of_all, of_each, paired, variance_hz, within
-from .response_table import ResponseTable, force_label
+from .response_table import ResponseTable
 
 # -- One response seen by several setups: the mean of its values, and whether they agree
 #

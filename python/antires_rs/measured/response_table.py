@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..exceptions import Name, part, reject
-from ..support.checks import FloatArray, real_array
+from ..support.checks import Dofs, FloatArray, label, labels, members, real_array
 from ..support.values import FrozenDict, ReadOnly, frozen
 
 # The five tests of a grade.
@@ -185,77 +185,19 @@ def doubts_of(table: ResponseTable) -> list[list[str]]:
 # -- What a caller or a file gives by dof, checked: one :class:`ResponseTable` for each response
 
 
-def label(name: Name, value: Any) -> Any:
-    """An integer or a string; numpy's integers become Python's."""
-    if isinstance(value, np.integer):
-        return int(value)
-    if isinstance(value, bool) or not isinstance(value, int | str):
-        reject(name, value, "a dof named by an integer or a string", "Name the dof by a number or a text.")
-    return value
-
-
-class Dofs(tuple[Any, ...]):
-    """Several dofs that stand for one thing: where r forces act, or the r responses of a minor.
-
-    Examples
-    --------
-    >>> from antires_rs.measured.response_table import Dofs
-    >>> pair = Dofs([1, 5])
-    >>> str(pair), pair == (1, 5)
-    ('1, 5', True)
-    """
-
-    __slots__ = ()
-
-    def __str__(self) -> str:
-        return ", ".join(map(str, self))
-
-    @classmethod
-    def of_file(cls, value: Any) -> Any:
-        """A label out of JSON, where several dofs are a list."""
-        return cls(value) if isinstance(value, list) else value
-
-    @staticmethod
-    def cell(value: Any) -> Any:
-        """A label for a table of another program, where several dofs are text."""
-        return str(value) if isinstance(value, Dofs) else value
-
-
-def _members(name: Name, value: Any) -> list[Any]:
-    """The dofs of a label that may be a list of them, each once."""
-    given = value.tolist() if isinstance(value, np.ndarray) else value
-    listed = given if isinstance(given, list | tuple) else [given]
-    dofs = [label(name, dof) for dof in listed]
-    if not dofs or len(set(dofs)) < len(dofs):
-        got = f"{value!r}, the same dof twice" if dofs else f"{value!r} without a dof"
-        reject(name, got, "one dof or several different ones", "Name each place once, such as [0, 4].")
-    return dofs
-
-
-def force_label(name: Name, value: Any) -> Any:
-    """Where the force acts: a dof, of a list of one that one, of a longer list its dofs in one order."""
-    dofs = _members(name, value)
-    return dofs[0] if len(dofs) == 1 else Dofs(sorted(dofs, key=lambda dof: (isinstance(dof, str), dof)))
-
-
-def forces_at(excitation: Any) -> str:
-    """Where the force acts, or the forces act, as text."""
-    return f"force{'s' * isinstance(excitation, Dofs)} at {excitation}"
-
-
 def key_of(excitation: Any, keys: Iterable[Any], channels: Iterable[Any]) -> Callable[[Name, Any], Any]:
     """How responses to such a force are named: a dof, or of r forces r dofs.
 
     Numbers ascend, other dofs stand in the order of the channels, behind them of all ``keys``.
     """
-    order = len(excitation) if isinstance(excitation, Dofs) else 1
+    order = len(members(excitation))
     named = [*channels, *(dof for key in keys if isinstance(key, list | tuple) for dof in key)]
     rank = {dof: at for at, dof in enumerate(dict.fromkeys(named))} if order > 1 else {}
 
     def key(name: Name, value: Any) -> Any:
         if order == 1 and not isinstance(value, list | tuple):
             return label(name, value)
-        dofs = _members(name, value)
+        dofs = labels(name, value)
         if len(dofs) != order:
             what, each = ("force", "response") if order == 1 else ("forces", "responses")
             got = f"{value!r}, which is {len(dofs)} dof{'s' * (len(dofs) > 1)}"
@@ -280,14 +222,6 @@ def label_array(labels: Sequence[Any]) -> NDArray[Any]:
 def rows_with(labels: NDArray[Any], *some: Any) -> NDArray[np.bool_]:
     """Which of the labels, (n,), are one of ``some``."""
     return np.array([one in some for one in labels], dtype=bool)
-
-
-def check_frequencies(freq_hz: Any) -> None:
-    """Refuse what is no mapping, or has nothing in it."""
-    if not isinstance(freq_hz, Mapping) or not freq_hz:
-        got = "an empty mapping" if isinstance(freq_hz, Mapping) else type(freq_hz).__name__
-        wanted = "a mapping of dof to frequencies in Hz, e.g. {0: [12.2, 36.2], 1: []}"
-        reject("freq_hz", got, wanted, "Pass a dict; an empty list stands for no antiresonance.")
 
 
 def tables_of(

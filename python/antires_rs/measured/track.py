@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import reject
-from ..support.checks import FloatArray
+from ..support.checks import FloatArray, forces_at
 from ..support.messages import keywords_left
 from ..support.values import ReadOnly, frozen
 from ..views import Viewed
 from .antiresonance_set import aligned, number
 from .matching import KNOWN, MAX_SHIFT, SeriesOfTests, check_sets, paired, scatter, variance_hz, within
-from .response_table import ResponseTable, forces_at, label_array, rows_with
+from .response_table import ResponseTable, label_array, rows_with
 
 # -- What following antiresonances over many tests gives: their tracks, and what happened to them
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from .._core import Model as CoreModel
 from ..exceptions import InvalidInputError, part, reject
-from ..support.checks import FloatArray
+from ..support.checks import FloatArray, members
 from ..support.directions import names_of
 from ..views import Viewed
 from .constraints import equations_by_number
@@ -18,7 +18,7 @@ from .matrices import Columns, Entries, as_masses, as_square, as_term
 from .parameters import Parameter
 from .penalties import warn_penalties
 from .recipes import Independent, MatrixRecipe
-from .structural_model import End, ModelDescription, StructuralModel, members
+from .structural_model import End, ModelDescription, StructuralModel
 from .term_groups import Mesh, TermGroup, powers_of
 
 #: Decades between the K / M of dofs from which on one method alone loses roots; most dofs to ask both.

@@ -20,6 +20,7 @@ from ..support.checks import (
     finite_scalar,
     frequency_band,
     integer,
+    members,
     random_generator,
     real_array,
     shape_of,
@@ -249,10 +250,6 @@ class StructuralModel(AroundCore[CoreModel]):
     def dof_label(self, dof: int) -> str:
         """Name of a dof in tables and pictures: its zero-based number, where nothing else names it."""
         return f"dof {dof}"
-
-    def _end_label(self, end: End) -> str:
-        """Name of a response or force, of which there may be several at once."""
-        return " and ".join(self.dof_label(dof) for dof in members(end))
 
     @cached_property
     def _names(self) -> DofNames:
@@ -607,11 +604,6 @@ class StructuralModel(AroundCore[CoreModel]):
         if ratio.ndim != 1 or ratio.size not in (1, n_modes) or ratio.min() < 0:
             reject("damping_ratio", value, wanted, "Give one ratio for all modes, or one for each.")
         return ratio
-
-
-def members(end: End) -> list[int]:
-    """The dofs of a response or force, of which there may be several."""
-    return list(end) if isinstance(end, tuple) else [end]
 
 
 def _distinct(name: str, dofs: list[int]) -> list[int]:

@@ -15,8 +15,8 @@ from .. import _core
 from ..damage.measured_states import LEAST_STD, SHOWN, Roots, roots_at
 from ..damage.shapes import Joined
 from ..models.parameters import Parameter
-from ..models.structural_model import End, StructuralModel, members
-from ..support.checks import BoolArray, ComplexArray, FloatArray, IntArray, finite_scalar
+from ..models.structural_model import End, StructuralModel
+from ..support.checks import BoolArray, ComplexArray, FloatArray, IntArray, finite_scalar, members
 from ..updating.targets import antiresonance_objective
 
 _MOST_MINORS = 300  # so many sets of responses to several forces are looked at

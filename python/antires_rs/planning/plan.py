@@ -16,9 +16,9 @@ from ..damage.shapes import structure_of
 from ..exceptions import reject
 from ..measured.antiresonance_set import aligned
 from ..models.parameters import Parameter, parameter_name, parameter_tuple, stiffness_reduction
-from ..models.structural_model import End, StructuralModel, checked_model, members
+from ..models.structural_model import End, StructuralModel, checked_model
 from ..optimize.island_ga import thread_count
-from ..support.checks import FloatArray, choice, frequency_band, integer, shape_of
+from ..support.checks import FloatArray, choice, frequency_band, integer, label_text, members, shape_of
 from ..support.progress import one_blas_thread, step, waiting
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
@@ -331,7 +331,7 @@ def plan_test(
         rounds=tuple(placement.Round(dof_of[r.added], dof_of[r.removed], r.worth) for r in placed.rounds),
         band_hz=band,
         names=FrozenDict(zip(elements, names, strict=False)),
-        labels=FrozenDict({end: model._end_label(end) for end in {*sensors, *order}}),
+        labels=FrozenDict({end: label_text(end, model.dof_label) for end in {*sensors, *order}}),
         value_std=FrozenDict({responses[at]: frozen(roots.std[roots.sensor == at]) for at in of_placed}),
         errors=str(errors),
     )

@@ -11,8 +11,8 @@ from ..damage.hypotheses import Hypothesis
 from ..damage.measured_states import ASSUMED_STD
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameters import stiffness_reduction
-from ..models.structural_model import End, members
-from ..support.checks import FloatArray
+from ..models.structural_model import End
+from ..support.checks import FloatArray, members
 from .placement import ExpectedErrors, Information, Layout, information, virtual_roots
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.checks import ComplexArray, FloatArray
+from ..support.checks import ComplexArray, FloatArray, IntArray
 from .averaging import (
     BANDWIDTHS,
     NARROWEST,
@@ -431,68 +431,66 @@ class Fit(NamedTuple):
     modes: int
 
 
-class Agreement:
-    """Which lines speak about which of some channels, n of them, and what they say."""
+def _fits(seen: Evidence, channels: list[int]) -> dict[int, Fit]:
+    """What the lines that speak about some channels, n of them, say of each; none where too few do."""
+    vectors = seen.vectors[:, channels]
+    size = np.abs(vectors)
+    unit = vectors / np.maximum(size, 1e-300)
+    level = np.log(np.maximum(size, 1e-300))
+    level -= np.median(level, axis=1, keepdims=True)
+    level -= np.median(level, axis=0)
+    loud = size**2 * seen.n_averages >= LEAST_SNR
+    share = np.where(loud, np.exp(np.minimum(level, 10.0)), 0.0)
+    power = np.minimum(share, LARGEST_SHARE) ** 2
+    doubled = unit**2
+    common, total, squares = (
+        part.sum(axis=1, keepdims=True) - part for part in (power * doubled, power, power**2)
+    )
+    agreed = (np.abs(common) >= COMMON * total) & (total > 0.0)
+    if len(channels) > 2:
+        agreed &= total**2 >= LEAST_OTHERS * squares
+    heard = agreed & (share >= LEAST_SHARE)  # lines that speak about each channel, (n_freq, n)
+    votes = doubled * np.conj(common / np.maximum(np.abs(common), 1e-300))  # what they say
+    direction = np.sqrt(power) * unit
+    direction /= np.maximum(np.linalg.norm(direction, axis=1, keepdims=True), 1e-300)
+    mode = _modes(direction, heard.any(axis=1))
+    fits = {}
+    for p, own, vote in zip(channels, heard.T, votes.T, strict=True):
+        lines = np.flatnonzero(own)
+        lines = lines[np.bincount(mode[lines], minlength=1)[mode[lines]] >= LINES_OF_MODE]
+        if lines.size >= LEAST_LINES:
+            fits[p] = _fit(seen.freq_hz, lines, mode[lines], vote[lines])
+    return fits
 
-    def __init__(self, seen: Evidence, channels: list[int]) -> None:
-        self.freq_hz = seen.freq_hz
-        vectors = seen.vectors[:, channels]
-        size = np.abs(vectors)
-        unit = vectors / np.maximum(size, 1e-300)
-        level = np.log(np.maximum(size, 1e-300))
-        level -= np.median(level, axis=1, keepdims=True)
-        level -= np.median(level, axis=0)
-        loud = size**2 * seen.n_averages >= LEAST_SNR
-        share = np.where(loud, np.exp(np.minimum(level, 10.0)), 0.0)
-        power = np.minimum(share, LARGEST_SHARE) ** 2
-        doubled = unit**2
-        common, total, squares = (
-            part.sum(axis=1, keepdims=True) - part for part in (power * doubled, power, power**2)
-        )
-        agreed = (np.abs(common) >= COMMON * total) & (total > 0.0)
-        if len(channels) > 2:
-            agreed &= total**2 >= LEAST_OTHERS * squares
-        #: Lines that speak about each channel, (n_freq, n), and what they say.
-        self.heard = agreed & (share >= LEAST_SHARE)
-        self.votes: ComplexArray = doubled * np.conj(common / np.maximum(np.abs(common), 1e-300))
-        direction = np.sqrt(power) * unit
-        direction /= np.maximum(np.linalg.norm(direction, axis=1, keepdims=True), 1e-300)
-        self._mode = _modes(direction, self.heard.any(axis=1))
 
-    def fit(self, p: int, largest_turn_deg: float) -> Fit | None:
-        """The likeliest delay and offset of channel ``p``; None where too few lines speak.
+def _fit(freq_hz: FloatArray, lines: IntArray, modes: IntArray, votes: ComplexArray) -> Fit:
+    """The likeliest delay and offset of a channel; ``modes`` and ``votes`` of the lines that speak.
 
-        An offset of a right angle, another kind of quantity, has no delay beyond ``largest_turn_deg`` at the
-        highest line.
-        """
-        lines = np.flatnonzero(self.heard[:, p])
-        if lines.size:
-            counts = np.bincount(self._mode[lines])
-            lines = lines[counts[self._mode[lines]] >= LINES_OF_MODE]
-        if lines.size < LEAST_LINES:
-            return None
-        _, mode, counts = np.unique(self._mode[lines], return_inverse=True, return_counts=True)
-        weighted = self.votes[lines, p] / (counts.size * counts[mode])
-        in_phase = float(weighted.real.sum())
-        if in_phase > 1.0 - MENDED:  # no delay could mend so much
-            return Fit(in_phase, in_phase, 0.0, False, 1.0, int(counts.size))
-        freq = self.freq_hz[lines]
-        delays, sums = _scanned(freq, weighted, float(np.diff(self.freq_hz).min()))
-        tried = np.log1p(4.0 * np.abs(delays) * float(freq[-1] - freq[0]))
-        late = _log_chance(sums.real, counts.size) + tried
-        short = 360.0 * np.abs(delays) * float(self.freq_hz[-1]) <= largest_turn_deg
-        turned = np.where(short, _log_chance(-sums.real, counts.size), 0.0)
-        quadrature = bool(turned.min() < late.min())
-        best = int(np.argmin(turned if quadrature else late))
-        sign = -1.0 if quadrature else 1.0
-        return Fit(
-            in_phase,
-            float(sign * sums.real[best]),
-            _refined(freq, sign * weighted, float(delays[best]), float(delays[1] - delays[0])),
-            quadrature,
-            float(np.exp(turned[best] if quadrature else late[best])),
-            int(counts.size),
-        )
+    An offset of a right angle, another kind of quantity, has no delay that turns the highest line by more
+    than ``SHIFT_DEG``.
+    """
+    _, mode, counts = np.unique(modes, return_inverse=True, return_counts=True)
+    weighted = votes / (counts.size * counts[mode])
+    in_phase = float(weighted.real.sum())
+    if in_phase > 1.0 - MENDED:  # no delay could mend so much
+        return Fit(in_phase, in_phase, 0.0, False, 1.0, int(counts.size))
+    freq = freq_hz[lines]
+    delays, sums = _scanned(freq, weighted, float(np.diff(freq_hz).min()))
+    tried = np.log1p(4.0 * np.abs(delays) * float(freq[-1] - freq[0]))
+    late = _log_chance(sums.real, counts.size) + tried
+    short = 360.0 * np.abs(delays) * float(freq_hz[-1]) <= SHIFT_DEG
+    turned = np.where(short, _log_chance(-sums.real, counts.size), 0.0)
+    quadrature = bool(turned.min() < late.min())
+    best = int(np.argmin(turned if quadrature else late))
+    sign = -1.0 if quadrature else 1.0
+    return Fit(
+        in_phase,
+        float(sign * sums.real[best]),
+        _refined(freq, sign * weighted, float(delays[best]), float(delays[1] - delays[0])),
+        quadrature,
+        float(np.exp(turned[best] if quadrature else late[best])),
+        int(counts.size),
+    )
 
 
 def _modes(direction: ComplexArray, used: NDArray[np.bool_]) -> NDArray[np.int64]:
@@ -603,12 +601,6 @@ def in_phase(seen: Evidence) -> CheckResults:
             break
         left.remove(worst)
     return found
-
-
-def _fits(seen: Evidence, channels: list[int]) -> dict[int, Fit]:
-    lines = Agreement(seen, channels)
-    fits = {p: lines.fit(i, SHIFT_DEG) for i, p in enumerate(channels)}
-    return {p: fit for p, fit in fits.items() if fit is not None}
 
 
 def _proved(fit: Fit, others: dict[int, Fit]) -> bool:

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..exceptions import UnsuitableDataError, reject
-from ..support.checks import ComplexArray
+from ..exceptions import UnsuitableDataError
+from ..support.checks import ComplexArray, force_label, members
 from ..support.progress import patient
 from ..support.values import frozen
 from . import channel_checks as channels, one_force
@@ -139,7 +139,7 @@ def of_recording(
         # What holds only noise must not speak in the other tests.
         frfs = None if frfs is None else frfs[rows]
         seen = of_spectra(spectra.rows(rows), tuple(live.dofs[p] for p in rows), averages)
-    one = one_force.one_force(seen, one_force.forces_named(excitation))
+    one = one_force.one_force(seen, len(members(excitation)))
     apart = channels.clocks(first, band) if one or lost else []
     if spectra.draws is not None:
         # a structure that changes between repeats looks like a second force.
@@ -402,22 +402,10 @@ def check_data(
     >>> print(finding.severity, finding.name, "|", finding.advice)
     fatal force_location | Dof 0 would fit: check which dof was excited, and the order of the channels.
     """
-    excitation = _excitation_of(excitation)
+    excitation = None if excitation is None else force_label("excitation", excitation)
     options = Averaging(nperseg, noverlap, window, method).checked()
     one: Recording | FrequencyResponse = one_source(source)
     return judged(one, excitation, band_of(one, band_hz), options)
-
-
-def _excitation_of(given: Any) -> Any:
-    """The place of the force, of several a tuple of them."""
-    places = list(given) if isinstance(given, list | tuple) else [given]
-    named = [isinstance(one, int | np.integer | str) and not isinstance(one, bool) for one in places]
-    if given is not None and not (named and all(named) and len(set(places)) == len(places)):
-        remedy = "Name the dof as the source does, or leave it out if it is not known."
-        reject(
-            "excitation", given, "a dof named by an integer or a string, several in a list, or None", remedy
-        )
-    return given if not isinstance(given, list | tuple) else places[0] if len(places) == 1 else tuple(places)
 
 
 def judged_together(
@@ -453,7 +441,7 @@ def judged(
     averaged, second = seen.eigenvalues is not None, None
     if averaged and len(seen.dofs) > 2:
         # What one force gives with noise and leakage.
-        order = min(one_force.forces_named(excitation), len(seen.dofs) - 2)
+        order = min(len(members(excitation)), len(seen.dofs) - 2)
         second = np.maximum(one_force.noise_level(seen, order), seen.leakage(order))
     return DataCheck(
         found,

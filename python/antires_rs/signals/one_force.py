@@ -377,11 +377,6 @@ UNEXPLAINED = 0.2
 EXCITED = 0.05  # share of the lines that must then rise over the noise for the band to be excited at all
 
 
-def forces_named(excitation: Any) -> int:
-    """How many forces are said to act: of several a tuple says where."""
-    return len(excitation) if isinstance(excitation, tuple) else 1
-
-
 def one_force(seen: Evidence, order: int = 1) -> CheckResults:
     """Second eigenvalue against the first, the noise and the leakage; of ``order`` forces the next."""
     n = len(seen.dofs)

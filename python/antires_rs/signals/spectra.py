@@ -116,37 +116,6 @@ ROUNDING = 1e-15  # share of the largest eigenvalue below which a floor is round
 FLOOR_LINES = 101  # lines over which the noise of averaged spectra is taken to be constant
 
 
-def noise_power(matrix: ComplexArray, n_averages: float) -> FloatArray:
-    """Noise power of each channel at the median line, (n_channels,), units of the diagonal.
-
-    What the other channels together do not tell of a channel is its noise: ``1 / inv(S)_pp``, corrected for
-    the averages that the regression uses up, for any number of forces below that of channels. With too few
-    averages for an inverse, what the dominant eigenvector leaves of the diagonal is taken.
-    """
-    n = matrix.shape[1]
-    mean = np.einsum("fii->fi", matrix).real.mean(axis=0)
-    root = np.sqrt(np.where(mean > 0.0, mean, 1.0))
-    auto = np.einsum("fii->fi", matrix).real / root**2
-    left = np.empty(auto.shape)
-    if n_averages >= AVERAGES_PER_CHANNEL * n:
-        for some in pieces(len(matrix), n * n):
-            part = matrix[some] * (1.0 / (root[:, None] * root))
-            part[:, np.arange(n), np.arange(n)] += (
-                RIDGE * np.maximum(auto[some].mean(axis=1), 1e-300)[:, None]
-            )
-            left[some] = 1.0 / np.einsum("fii->fi", np.linalg.inv(part)).real
-        left *= n_averages / (n_averages - n + 1.0)
-    else:
-        scaled = matrix * (1.0 / (root[:, None] * root))
-        scale = channel_noise(scaled)
-        unit = dominant(scaled, scale)[2] * np.sqrt(scale)
-        unit = unit / np.linalg.norm(unit, axis=1, keepdims=True)
-        along = np.einsum("fi,fji,fj->f", unit, scaled, unit.conj(), optimize=True).real
-        left = auto - along[:, None] * np.abs(unit) ** 2
-    level = np.median(left, axis=0)  # The median, because near a resonance leakage looks like noise.
-    return np.asarray(np.maximum(level, RIDGE * np.maximum(auto.mean(axis=0), 1e-300)) * root**2)
-
-
 def channel_noise(matrix: ComplexArray, start: FloatArray | None = None) -> FloatArray:
     """Relative noise power of every channel: what the dominant vector leaves of the diagonal, (n_channels,).
 
@@ -288,8 +257,34 @@ class CrossSpectra:
 
     @cached_property
     def noise_power(self) -> FloatArray:
-        """Noise power of each channel at the median line, see :mod:`~antires_rs.signals.spectra`."""
-        return noise_power(self.matrix, self.n_effective)
+        """Noise power of each channel at the median line, (n_channels,), units of the diagonal.
+
+        What the other channels together do not tell of a channel is its noise: ``1 / inv(S)_pp``, corrected
+        for the averages that the regression uses up, for any number of forces below that of channels. With
+        too few averages for an inverse, what the dominant eigenvector leaves of the diagonal is taken.
+        """
+        matrix, n, n_averages = self.matrix, self.matrix.shape[1], self.n_effective
+        mean = np.einsum("fii->fi", matrix).real.mean(axis=0)
+        root = np.sqrt(np.where(mean > 0.0, mean, 1.0))
+        auto = np.einsum("fii->fi", matrix).real / root**2
+        left = np.empty(auto.shape)
+        if n_averages >= AVERAGES_PER_CHANNEL * n:
+            for some in pieces(len(matrix), n * n):
+                part = matrix[some] * (1.0 / (root[:, None] * root))
+                part[:, np.arange(n), np.arange(n)] += (
+                    RIDGE * np.maximum(auto[some].mean(axis=1), 1e-300)[:, None]
+                )
+                left[some] = 1.0 / np.einsum("fii->fi", np.linalg.inv(part)).real
+            left *= n_averages / (n_averages - n + 1.0)
+        else:
+            scaled = matrix * (1.0 / (root[:, None] * root))
+            scale = channel_noise(scaled)
+            unit = dominant(scaled, scale)[2] * np.sqrt(scale)
+            unit = unit / np.linalg.norm(unit, axis=1, keepdims=True)
+            along = np.einsum("fi,fji,fj->f", unit, scaled, unit.conj(), optimize=True).real
+            left = auto - along[:, None] * np.abs(unit) ** 2
+        level = np.median(left, axis=0)  # The median, because near a resonance leakage looks like noise.
+        return np.asarray(np.maximum(level, RIDGE * np.maximum(auto.mean(axis=0), 1e-300)) * root**2)
 
     def part(self, kept: NDArray[np.bool_]) -> CrossSpectra:
         """Spectra at some of the lines."""
@@ -515,11 +510,11 @@ def std_of_coherence(values: ComplexArray, coherence: FloatArray, n_averages: fl
     return np.asarray(size * np.sqrt((1.0 - known) / (2.0 * known * (n_averages - 1.0))), dtype=np.float64)
 
 
-def std_of_rank_one(matrix: ComplexArray, j: int, n_averages: float) -> FloatArray:
+def std_of_rank_one(spectra: CrossSpectra, j: int) -> FloatArray:
     """Standard deviation of real and imaginary part of the rank-one T_pj, (n_channels, n_freq)."""
-    root = np.sqrt(noise_power(matrix, n_averages))
+    root, n_averages = np.sqrt(spectra.noise_power), spectra.n_effective
     # conj(A) B is the transpose of the covariance whose eigenvectors are wanted; eigenvalues ascend.
-    values, vectors = np.linalg.eigh((matrix / (root[:, None] * root)).transpose(0, 2, 1))
+    values, vectors = np.linalg.eigh((spectra.matrix / (root[:, None] * root)).transpose(0, 2, 1))
     first = np.maximum(values[:, -1:], 1e-300)
     values = np.clip(values[:, :-1], 0.0, (1.0 - LEAST_GAP) * first)
     own, others = vectors[:, :, -1], vectors[:, :, :-1]

@@ -132,7 +132,7 @@ def transmissibility(
         vectors, _ = response_vectors(spectra.matrix, spectra.noise)
         values = vectors / vectors[j]
         if rec.n_channels > 1:
-            std = std_of_rank_one(spectra.matrix, j, spectra.n_effective)
+            std = std_of_rank_one(spectra, j)
     values[j] = 1.0
     return FrequencyResponse(
         spectra.freq_hz,

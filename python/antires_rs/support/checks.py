@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from difflib import get_close_matches
 from typing import Any, TypeVar
 
@@ -194,3 +194,78 @@ def dof_labels(name: str, value: Iterable[Any] | None, count: int) -> tuple[Any,
         twice = next(v for v in labels if labels.count(v) > 1)
         reject(name, f"label {twice!r} more than once", wanted, "Rename one of the two.")
     return labels
+
+
+# -- Dofs by name: one, or several that act or answer together
+
+
+class Dofs(tuple[Any, ...]):
+    """Several dofs that stand for one thing: where r forces act, or the r responses of a minor.
+
+    Examples
+    --------
+    >>> from antires_rs.support.checks import Dofs
+    >>> pair = Dofs([1, 5])
+    >>> str(pair), pair == (1, 5)
+    ('1, 5', True)
+    """
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return label_text(self)
+
+    @classmethod
+    def of_file(cls, value: Any) -> Any:
+        """A label out of JSON, where several dofs are a list."""
+        return cls(value) if isinstance(value, list) else value
+
+    @staticmethod
+    def cell(value: Any) -> Any:
+        """A label for a table of another program, where several dofs are text."""
+        return str(value) if isinstance(value, Dofs) else value
+
+
+def members(label: Any) -> list[Any]:
+    """The dofs of a label, which may be several."""
+    return list(label) if isinstance(label, tuple) else [label]
+
+
+def label_text(label: Any, named: Callable[[Any], str] = str, *, listed: bool = False) -> str:
+    """A dof, or several as "1, 5", for a reader; in a list of others (``listed``) as "(1, 5)".
+
+    It is what the key of a set looks like, and leaves "and" to sentences. ``named`` is the name of one dof.
+    """
+    text = ", ".join(named(dof) for dof in members(label))
+    return f"({text})" if listed and isinstance(label, tuple) else text
+
+
+def label(name: Name, value: Any) -> Any:
+    """An integer or a string; numpy's integers become Python's."""
+    if isinstance(value, np.integer):
+        return int(value)
+    if isinstance(value, bool) or not isinstance(value, int | str):
+        reject(name, value, "a dof named by an integer or a string", "Name the dof by a number or a text.")
+    return value
+
+
+def labels(name: Name, value: Any) -> list[Any]:
+    """The dofs of a label that may be a list of them, each once."""
+    given = value.tolist() if isinstance(value, np.ndarray) else value
+    listed = given if isinstance(given, list | tuple) else [given]
+    dofs = [label(name, dof) for dof in listed]
+    if not dofs or len(set(dofs)) < len(dofs):
+        got = f"{value!r}, the same dof twice" if dofs else f"{value!r} without a dof"
+        reject(name, got, "one dof or several different ones", "Name each place once, such as [0, 4].")
+    return dofs
+
+
+def force_label(name: Name, value: Any) -> Any:
+    """Where the force acts: a dof, of a list of one that one, of a longer list its dofs in one order."""
+    dofs = labels(name, value)
+    return dofs[0] if len(dofs) == 1 else Dofs(sorted(dofs, key=lambda dof: (isinstance(dof, str), dof)))
+
+
+def forces_at(excitation: Any) -> str:
+    """Where the force acts, or the forces act, as text."""
+    return f"force{'s' * isinstance(excitation, Dofs)} at {excitation}"

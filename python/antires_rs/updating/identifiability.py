@@ -12,8 +12,8 @@ import numpy as np
 from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
-from ..models.structural_model import End, StructuralModel, members
-from ..support.checks import BoolArray, FloatArray, finite_scalar, integer
+from ..models.structural_model import End, StructuralModel
+from ..support.checks import BoolArray, FloatArray, finite_scalar, integer, members
 from ..support.messages import some
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import Value

@@ -15,8 +15,8 @@ from ..exceptions import InvalidInputError, reject
 from ..measured.antiresonance_set import AntiresonanceSet, number
 from ..measured.modal_set import ModalSet
 from ..measured.response_table import label_array
-from ..models.structural_model import End, StructuralModel, members
-from ..support.checks import BoolArray, ComplexArray, FloatArray, IntArray, real_array
+from ..models.structural_model import End, StructuralModel
+from ..support.checks import BoolArray, ComplexArray, FloatArray, IntArray, label_text, members, real_array
 from ..support.values import Value
 
 # -- Measured frequencies beside those of a model, before and after updating
@@ -107,19 +107,20 @@ class FrequencyTable(_Differences, Value):
     after_hz: FloatArray
     dof_names: dict[int, str] = field(default_factory=dict)
 
-    def _named(self, end: End) -> str:
-        names = [
-            self.dof_names.get(dof, f"{dof:2d}" if isinstance(end, int) else str(dof)) for dof in members(end)
-        ]
-        return names[0] if isinstance(end, int) else f"({', '.join(names)})"
+    def named(self, end: Any, otherwise: str = "{}", *, listed: bool = False) -> str:
+        """A response or force by the names of its dofs; ``otherwise`` of what has none."""
+        return label_text(end, lambda dof: self.dof_names.get(dof, otherwise.format(dof)), listed=listed)
 
     def __str__(self) -> str:
-        ends = zip(self.dof.tolist(), self.excitation.tolist(), strict=True)
-        pairs = [", ".join(self._named(end) for end in pair) for pair in ends]
+        ends = list(zip(self.dof.tolist(), self.excitation.tolist(), strict=True))
+        several = any(isinstance(end, tuple) for pair in ends for end in pair)
+        number = "{}" if several else "{:2d}"
+        pairs = [", ".join(self.named(end, number, listed=True) for end in pair) for pair in ends]
         width = max([7, *map(len, pairs)])
+        minor, of = ("det H_IJ", "(I, J)") if several else ("H_ik", "(i, k)")
         head = [
-            f"{'H_ik':>{width}}   measured      before             after",
-            f"{'(i, k)':>{width}}         Hz          Hz       %          Hz       %",
+            f"{minor:>{width}}   measured      before             after",
+            f"{of:>{width}}         Hz          Hz       %          Hz       %",
         ]
         return self._text(head, [f"{pair:>{width}}" for pair in pairs])
 

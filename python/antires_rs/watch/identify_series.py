@@ -19,10 +19,10 @@ from ..exceptions import InvalidInputError, MissingDependencyError, reject
 from ..identification.identify import of_same_force
 from ..identification.options import declared, flat
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..measured.response_table import ResponseTable, force_label
+from ..measured.response_table import ResponseTable
 from ..signals.averaging import is_transient
 from ..signals.recording import Recording
-from ..support.checks import FloatArray, frequency_band, integer
+from ..support.checks import FloatArray, force_label, frequency_band, integer
 from ..support.messages import unheard, warn
 from ..support.progress import apart, span, step, waiting
 from ..support.workers import Failed, in_order

@@ -16,9 +16,9 @@ from ..io.data_frames import frame_of, rows_of
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.compare import Comparison, compare
 from ..measured.matching import MAX_SHIFT
-from ..measured.response_table import ResponseTable, forces_at
+from ..measured.response_table import ResponseTable
 from ..measured.track import Tracks, followed
-from ..support.checks import FloatArray
+from ..support.checks import FloatArray, forces_at
 from ..support.messages import keywords_left
 from ..support.values import FrozenDict, ReadOnly, frozen
 from .conditions import checked_names, condition_table

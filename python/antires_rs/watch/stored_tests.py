@@ -26,8 +26,9 @@ from ..exceptions import AntiresError, reject
 from ..io.common import brief, require
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.edits import BY_HAND
-from ..measured.response_table import NUMBERS, Dofs, ResponseTable
+from ..measured.response_table import NUMBERS, ResponseTable
 from ..signals.one_force import DataCheck, Finding
+from ..support.checks import Dofs
 from ..support.files import cell, written_beside
 from ..support.values import frozen
 
