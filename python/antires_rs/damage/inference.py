@@ -819,7 +819,7 @@ def learned_from(
 ) -> Learned:
     """What is known before the values of now are looked at."""
     likelihood, intact, prior = prepared.likelihood, prepared.intact, question.prior
-    error, odd, rate = likelihood.error, prepared.odd, question.options.false_alarm_rate
+    error, odd, rate = likelihood.error, prepared.odd, question.options.alarm_share
     draws = 0 if question.reduced else _STRUCTURES
     slopes, *others = intact_slopes(likelihood, len(question.elements), draws)
     gain_std = max(error.gain_std, _ERRS * error.s)

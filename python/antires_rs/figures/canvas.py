@@ -180,7 +180,11 @@ class _Drawn:
             _scale(self.ax, shades, mark.values[np.isfinite(mark.values)], mark.scale)
 
     def arrows(self, mark: marks.Arrows, zorder: float) -> None:
+        from matplotlib.patheffects import withStroke
+
         look = {"arrowstyle": "-|>", "color": mark.colour, "lw": mark.width, "shrinkA": 0, "shrinkB": 2}
+        if mark.halo:
+            look["path_effects"] = [withStroke(linewidth=mark.width + 2.5, foreground="white")]
         for tail, head in zip(mark.tails, mark.heads, strict=True):
             self.ax.annotate("", head, xytext=tail, arrowprops=look, zorder=zorder)
         self.ax.plot([], [], ls="", marker=r"$\rightarrow$", ms=13, color=mark.colour, label=mark.label)

@@ -91,7 +91,7 @@ def stabilization(diagram: StabilizationDiagram) -> Panel:
     shown = np.where(size > 0.0, size, np.nan)
     curve = Line(diagram.background_freq_hz, shown, CURVE, width=1.0, label=label)
     x, y = Axis("Frequency (Hz)", diagram.band_hz), Axis("Model order (-)", (first - 1.5, last + 1.0))
-    behind = (Axis("Summed curves (unit of the data)"), curve)
+    behind = (Axis("Summed curves (unit of what is fitted)"), curve)
     return Panel("stabilization", x, y, marks, behind=behind)
 
 

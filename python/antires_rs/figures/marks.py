@@ -175,6 +175,7 @@ class Arrows(Mark):
     heads: FloatArray
     colour: str = "black"
     width: float = 1.6
+    halo: bool = False  # so that they are seen on any colour
 
 
 @dataclass(frozen=True)

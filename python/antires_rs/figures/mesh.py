@@ -6,13 +6,14 @@ import json
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..exceptions import reject
+from ..exceptions import Argument, reject
 from ..models.frame import FrameModel
 from ..support.checks import FloatArray, IntArray, members, real_array
 from ..support.directions import point_of
@@ -196,11 +197,12 @@ def scene(
     size, moved = _size(places), _moves(row, points, places)
     arrows: list[Arrows] = []
     force = [] if excitation is None else members(model._end("excitation", excitation))
+    measured = [model._dof(Argument("sensors").item(i), dof) for i, dof in enumerate(sensors)]
     for name, dofs, colour, share in (
-        ("accelerometer", sensors, "vermillion", 0.7),
+        ("accelerometer", measured, "vermillion", 0.7),
         ("force", force, "black", 1.2),
     ):
-        at = [points[model._dof(name, dof)] for dof in dofs]
+        at = [points[dof] for dof in dofs]
         there = [point for point in at if point is not None and point[0] in row]
         if there:  # a rotation is an arrow along its axis
             ways = np.array([np.sign(code) * np.eye(3)[(abs(code) - 1) % 3] for _, code in there])
@@ -309,7 +311,7 @@ def seen(one: Scene) -> Panel:
     marks: list[Mark] = [Faces(flat[cells], colours * light[:, None], widths, one.values, one.scale)]
     for each in one.arrows:
         tails, heads = each.tails @ ISOMETRIC.T, each.heads @ ISOMETRIC.T
-        marks.append(Arrows(tails, heads, each.colour, each.width, label=each.label))
+        marks.append(replace(each, tails=tails, heads=heads, halo=True))
     if named := one.named(places):
         x, y = xy(np.array([place for _, place in named]) @ ISOMETRIC.T)
         marks.append(Words(x, y, [text for text, _ in named], away=6.0, halo=True))

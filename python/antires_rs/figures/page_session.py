@@ -18,13 +18,12 @@ import numpy as np
 
 from ..exceptions import AntiresError, AntiresWarning, InvalidInputError, reject
 from ..identification.identify import Hit, identify_antiresonances, identify_roving
-from ..identification.minors import MOST_MINORS
 from ..identification.options import sorted_out
 from ..identification.stabilization import StabilizationDiagram
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.edits import NAMED_WITHIN
 from ..measured.replay import Asked, asked_of, replayed, to_json
-from ..measured.response_table import doubts_of
+from ..measured.response_table import MOST_SETS, doubts_of
 from ..signals.averaging import Averages, Averaging, average
 from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.recording import Recording
@@ -270,7 +269,7 @@ class Session:
             dofs = self.source.dofs
             force = force_label("excitation", excitation)
             keys = combinations(dofs, len(force)) if isinstance(force, Dofs) else dofs
-            zeros = AntiresonanceSet(force, {key: [] for key in islice(keys, MOST_MINORS)}, channels=dofs)
+            zeros = AntiresonanceSet(force, {key: [] for key in islice(keys, MOST_SETS)}, channels=dofs)
         asked = asked_of(zeros)
         band = None if band_hz is None else (band_hz[0], band_hz[1])
         if self.source is not None:

@@ -37,7 +37,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import Argument, UnsuitableDataError, reject
-from ..measured.response_table import key_of
+from ..measured.response_table import MOST_SETS, key_of
 from ..signals.averaging import Averages
 from ..signals.data_check import ROUGH
 from ..signals.frequency_response import FrequencyResponse
@@ -48,7 +48,6 @@ from ..support.checks import ComplexArray, Dofs, FloatArray
 from .lines import Lines, require_live, unit
 from .stability import Directions
 
-MOST_MINORS = 300  # of more, those of most information are formed
 MOST_FORMED = 200_000  # of more no choice is made
 IN_ONE_FIT, ANCHORS = 64, 12  # rows of one fit; of several fits those that all have, the strongest
 CHOICE_LINES = 64  # lines that tell which minors are strong
@@ -96,8 +95,8 @@ def formed(size: Callable[[NDArray[np.intp]], FloatArray], channels: tuple[Any, 
     """All sets of r channels, or those of the largest ``size``, (n_minors,), if there are very many."""
     check_channels(len(channels), order)
     rows = np.array(list(combinations(range(len(channels)), order)), dtype=np.intp)
-    if len(rows) > MOST_MINORS:
-        rows = rows[np.sort(np.argsort(-size(rows), kind="stable")[:MOST_MINORS])]
+    if len(rows) > MOST_SETS:  # those of most information
+        rows = rows[np.sort(np.argsort(-size(rows), kind="stable")[:MOST_SETS])]
     named = key_of(Dofs(range(order)), (), channels)
     dofs = tuple(named("dofs", [channels[k] for k in own]) for own in rows.tolist())
     return Named(rows, dofs)

@@ -13,6 +13,7 @@ how              "chain": stable in consecutive orders; "persistent": in most or
 residual         relative misfit of the fit around the value
 prominence_db    height of its peak in the summed transmissibilities
 grade            "sure", "fair" or "weak", :func:`graded`; averaged records only
+doubt            what the data check finds fatal about all channels; only then
 second           second eigenvalue of the spectral matrix over the first, beside it; averaged records only
 averages         independent averages behind its standard deviation, where it is told by segments
 ===============  =====================================================================================
@@ -125,6 +126,12 @@ LOST = {  #: Fatal findings of channels, or of all of them, and what is said of 
     channels.DUPLICATED: "all channels hold one signal",
     NOISE: "nothing rises over the noise",
 }
+#: Fatal findings that leave no value sure, and the doubt.
+MISLEADING = {
+    ONE_FORCE: "second force",
+    channels.LENGTH: "record too short",
+    channels.RESOLUTION: "lines too far apart",
+}
 #: Width about a value, as a share of it, over which eigenvalues are looked at, and never fewer lines.
 BESIDE, LINES_BESIDE = 0.015, 5
 BLIND = "fewer forces than named above noise"  # why a value of several forces is left out
@@ -163,22 +170,28 @@ def _beside(freq_hz: FloatArray, value: float) -> NDArray[np.intp]:
 def with_second(table: ResponseTable, checked: DataCheck | None) -> ResponseTable:
     """Antiresonances with the second eigenvalue over the first beside each, weak where it is large.
 
-    Of r forces the one beyond r over that of r.
+    Of r forces the one beyond r over that of r. All are weak where the check finds something fatal about all
+    channels: a record too short for its resonances misplaces what it shows clearly.
     """
-    if checked is None or checked.freq_hz is None or checked.second_expected is None:
+    if checked is None:
+        return table
+    fatal = [
+        MISLEADING[one.name] for one in checked.findings if one.severity == "fatal" and one.name in MISLEADING
+    ]
+    if fatal and "grade" in table.scores:
+        doubt = np.full(len(table), ", ".join(dict.fromkeys(fatal)))
+        table = table.with_scores(grade=np.full(len(table), "weak"), doubt=doubt)
+    if checked.freq_hz is None or checked.second_expected is None:
         return table
     assert checked.eigenvalues is not None
     order = len(members(checked.excitation))
     if checked.eigenvalues.shape[1] <= order:
         return table
     share = checked.eigenvalues[:, order] / np.maximum(checked.eigenvalues[:, order - 1], 1e-300)
-    fatal = any(one.severity == "fatal" for one in checked.named(ONE_FORCE))
-    shares, doubtful = np.empty(len(table)), np.zeros(len(table), dtype=bool)
-    for i, value in enumerate(table.freq_hz):
-        shares[i] = median(share[_beside(checked.freq_hz, value)].tolist())
-        doubtful[i] = fatal or shares[i] > UNEXPLAINED
-    grade = np.where(doubtful, "weak", table.scores["grade"]) if "grade" in table.scores else None
-    return table.with_scores(second=shares, **({} if grade is None else {"grade": grade}))
+    shares = np.array([median(share[_beside(checked.freq_hz, f)].tolist()) for f in table.freq_hz])
+    if "grade" in table.scores:
+        table = table.with_scores(grade=np.where(shares > UNEXPLAINED, "weak", table.scores["grade"]))
+    return table.with_scores(second=shares)
 
 
 # -- Where a curve has a dip, and how deep it is: as far as the curve climbs on both sides, within a reach or

@@ -29,7 +29,7 @@ from ..models.term_groups import Powers, TermGroup
 from ..support.checks import integer
 from ..support.files import alive
 from ..support.progress import waiting
-from ..support.workers import Workers, processors
+from ..support.workers import Failed, Workers, processors
 from .archive import Store, decoded, encoded, read_store, write_store
 from .fe_programs import Code, Factors, Run, opened
 from .matrix_files import write_matrices
@@ -59,7 +59,14 @@ class Runs:
         with ThreadPoolExecutor(self._workers) as threads:
             try:
                 with Workers(kept, threads, seconds_a_chunk=0.0, losses=0) as workers:
-                    return list(workers.in_order(list(several), what="run"))
+                    runs: list[Run] = []
+                    for one in workers.in_order(list(several), what="run", errors="return"):
+                        if isinstance(one, Failed):
+                            if changed := several[len(runs)]:
+                                one.error.add_note(f"This was the run with {dict(changed)}, as factors.")
+                            raise one.error
+                        runs.append(one)
+                    return runs
             except BaseException:  # Ctrl-C among them: what runs would be waited for
                 self._code.stop()
                 raise

@@ -179,10 +179,16 @@ def doubts_of(table: ResponseTable) -> list[list[str]]:
         for word, passed in _OF_WINDOWS if "depth_db" in table.scores else _TESTS:
             for row in np.flatnonzero(~sure & ~passed(table)):
                 found[row].append(word)
+    for words, doubt in zip(found, table.scores.get("doubt", ()), strict=False):
+        words += [str(doubt)] if doubt else []
     return [["added by hand"] if hand else words for hand, words in zip(table.by_hand, found, strict=True)]
 
 
 # -- What a caller or a file gives by dof, checked: one :class:`ResponseTable` for each response
+
+
+#: Of r forces so many sets of r responses are looked at, where there are more.
+MOST_SETS = 300
 
 
 def key_of(excitation: Any, keys: Iterable[Any], channels: Iterable[Any]) -> Callable[[Name, Any], Any]:

@@ -19,7 +19,7 @@ from .parameters import Parameter
 from .penalties import warn_penalties
 from .recipes import Independent, MatrixRecipe
 from .structural_model import End, ModelDescription, StructuralModel
-from .term_groups import Mesh, TermGroup, powers_of
+from .term_groups import Mesh, TermGroup, checked_groups, powers_of
 
 #: Decades between the K / M of dofs from which on one method alone loses roots; most dofs to ask both.
 _APART, _MOST_FOR_BOTH = 8.0, 200
@@ -54,7 +54,7 @@ class MatrixModel(StructuralModel, Viewed):
     ------
     InvalidInputError
         A matrix that is not square, symmetric and finite, or a negative mass; constraints between dofs to
-        keep; one name for two dofs, in two spellings too.
+        keep; one name for two dofs, in two spellings too; groups of one name, or of terms that are not there.
 
     Warns
     -----
@@ -104,7 +104,10 @@ class MatrixModel(StructuralModel, Viewed):
         names_k, of_k = _terms("stiffness_terms", stiffness_terms, n)
         names_m, of_m = _terms("mass_terms", mass_terms, n)
         tied = equations_by_number(names, n, constraints, keep)
-        recipe = MatrixRecipe(n, k, m, of_k, of_m, names, *tied, names_k, names_m, tuple(groups), mesh)
+        known = checked_groups(groups, len(of_k), len(of_m))
+        if mesh is not None and not isinstance(mesh, Mesh):
+            reject("mesh", type(mesh).__name__, "a Mesh", "As in ar.Mesh(nodes, coordinates, ...).")
+        recipe = MatrixRecipe(n, k, m, of_k, of_m, names, *tied, names_k, names_m, known, mesh)
         independent = recipe.independent()
         self._build(ModelDescription(recipe), independent.core())
         self._fill(_independent=independent)

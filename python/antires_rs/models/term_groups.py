@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import reject
-from ..support.checks import FloatArray, IntArray, finite_scalar
+from ..support.checks import FloatArray, IntArray, choice, finite_scalar, integer, real_array, shape_of
 from ..support.values import Value
 
 #: Number of a term and the power of the group's value that it goes with, each.
 Powers = tuple[tuple[int, int], ...]
+QUANTITIES = ("youngs_modulus", "density", "thickness", "stiffness", "value")
 NO_ELEMENTS = np.empty(0, dtype=np.intp)
 
 
@@ -33,6 +34,11 @@ class TermGroup(Value):
     elements : ndarray of int
         Numbers of the elements in the code; empty where it does not tell.
 
+    Raises
+    ------
+    InvalidInputError
+        Another quantity, or terms that are no numbers from 0, or given twice.
+
     Examples
     --------
     >>> import antires_rs as ar
@@ -47,6 +53,25 @@ class TermGroup(Value):
     stiffness_powers: Powers = ()
     mass_powers: Powers = ()
     elements: IntArray = field(default_factory=lambda: NO_ELEMENTS, repr=False)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name:
+            reject("name", self.name, "a text", "As in ar.TermGroup('web', ...).")
+        choice("quantity", self.quantity, QUANTITIES)
+        if self.value is not None:
+            finite_scalar("value", self.value)
+        for side in ("stiffness_powers", "mass_powers"):
+            wanted = "pairs of a term's number and a power, each term once"
+            pairs = getattr(self, side)
+            if any(shape_of(pair) != (2,) for pair in (pairs if isinstance(pairs, tuple | list) else [0])):
+                reject(side, pairs, wanted, "As in stiffness_powers=((0, 1), (1, 3)).")
+            terms = [integer((side, i), term, low=0) for i, (term, _) in enumerate(pairs)]
+            for i, (_, power) in enumerate(pairs):
+                integer((side, i), power)
+            if len({*terms}) < len(terms):
+                reject(side, pairs, wanted, "Leave one of the two out: matrices are sums of their terms.")
+        _numbers("elements", self.elements)
+        super().__post_init__()
 
     @property
     def linear(self) -> bool:
@@ -67,6 +92,11 @@ class Mesh(Value):
     kinds, kind : tuple of str, and ndarray of int, (e,)
         Types of elements as the code calls them, and which one each element has.
 
+    Raises
+    ------
+    InvalidInputError
+        Arrays that do not fit each other, a number given twice, a node that the mesh has not.
+
     Examples
     --------
     >>> import numpy as np, antires_rs as ar
@@ -82,6 +112,41 @@ class Mesh(Value):
     kinds: tuple[str, ...]
     kind: IntArray
 
+    def __post_init__(self) -> None:
+        nodes, elements = _numbers("nodes", self.nodes), _numbers("elements", self.elements)
+        if nodes.size and nodes.min() < 0:
+            reject("nodes", f"node {nodes.min()}", "numbers of at least 0", "-1 stands for no node.")
+        if np.shape(self.coordinates) != (nodes.size, 3):
+            got = f"an array of shape {np.shape(self.coordinates)}"
+            reject(
+                "coordinates", got, f"({nodes.size}, 3), a place for each node", "Add zeros for what lacks."
+            )
+        if nodes.size:
+            real_array("coordinates", self.coordinates, ndim=2, wanted="finite places, (n, 3)")
+        of = np.asarray(self.connectivity)
+        if of.ndim != 2 or len(of) != elements.size:
+            wanted = f"({elements.size}, k), the nodes of each element"
+            reject("connectivity", f"an array of shape {of.shape}", wanted, "Fill short rows up with -1.")
+        used = of != -1
+        unknown = of[used & ~np.isin(of, nodes)]
+        if unknown.size:
+            remedy = "Name nodes by their numbers, and nodes that are not there by -1."
+            reject("connectivity", f"node {unknown[0]}", "nodes of the mesh", remedy)
+        odd = np.flatnonzero(~used.any(axis=1) | (used[:, 1:] & ~used[:, :-1]).any(axis=1))
+        if odd.size:
+            got = f"{of[odd[0]].tolist()} of element {elements[odd[0]]}"
+            reject("connectivity", got, "nodes, and -1 behind the last", "Move -1 to the end of the row.")
+        kind, kinds = np.asarray(self.kind), self.kinds
+        if (
+            not isinstance(kinds, tuple)
+            or kind.shape != elements.shape
+            or not np.isin(kind, range(len(kinds))).all()
+        ):
+            got = f"{kind.tolist()[:6]} with kinds {kinds!r}"
+            wanted = f"a place in the tuple kinds for each of {elements.size} elements"
+            reject("kind", got, wanted, 'As in kinds=("S4",), kind=np.array([0]).')
+        super().__post_init__()
+
     def place(self, node: int) -> FloatArray:
         """Where a node is, (3,)."""
         found = np.flatnonzero(self.nodes == node)
@@ -89,6 +154,49 @@ class Mesh(Value):
             reject("node", node, f"a node of the mesh, which has {self.nodes.size}", "Look at mesh.nodes.")
         place: FloatArray = self.coordinates[found[0]]
         return place
+
+
+def _numbers(name: str, given: Any) -> IntArray:
+    """Numbers of nodes or elements, (n,), each once."""
+    numbers = np.asarray(given)
+    wanted = "whole numbers, (n,), each once"
+    if numbers.ndim != 1 or (numbers.size and not np.issubdtype(numbers.dtype, np.integer)):
+        got = f"an array of shape {numbers.shape} of {numbers.dtype}"
+        reject(name, got, wanted, "Give them as integers, in one axis.")
+    once, counts = np.unique(numbers, return_counts=True)
+    if once.size < numbers.size:
+        reject(name, f"{once[np.argmax(counts)]} twice", wanted, "Number them apart.")
+    return numbers
+
+
+def checked_groups(groups: Any, n_stiffness: int, n_mass: int) -> tuple[TermGroup, ...]:
+    """Groups of different names whose terms a model of so many has, each term in one."""
+    given = tuple(groups)
+    names: set[str] = set()
+    owners: dict[tuple[str, int], str] = {}
+    for i, group in enumerate(given):
+        if not isinstance(group, TermGroup):
+            remedy = 'As in ar.TermGroup("web", "youngs_modulus", 2.1e11, ((0, 1),)).'
+            reject(("groups", i), type(group).__name__, "a TermGroup", remedy)
+        if group.name in names:
+            reject(
+                ("groups", i), f"a second {group.name!r}", "groups of different names", "Rename one of them."
+            )
+        names.add(group.name)
+        sides = ("stiffness", n_stiffness, group.stiffness_powers), ("mass", n_mass, group.mass_powers)
+        for side, count, powers in sides:
+            for term, _ in powers:
+                if term >= count:
+                    wanted = (
+                        f"one of the {count} {side}_terms, counted from 0" if count else f"no {side} term"
+                    )
+                    remedy = f"Give {side}_terms= to the model, or correct the number."
+                    reject(("groups", group.name), f"{side} term {term}", wanted, remedy)
+                other = owners.setdefault((side, term), group.name)
+                if other != group.name:
+                    got = f"{side} term {term}, which {other!r} has too"
+                    reject(("groups", group.name), got, "terms of its own", "Take the terms apart.")
+    return given
 
 
 def powers_of(groups: Mapping[str, TermGroup], factors: Any) -> tuple[dict[int, float], dict[int, float]]:

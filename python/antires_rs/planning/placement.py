@@ -14,12 +14,12 @@ import numpy as np
 from .. import _core
 from ..damage.measured_states import LEAST_STD, SHOWN, Roots, roots_at
 from ..damage.shapes import Joined
+from ..measured.response_table import MOST_SETS
 from ..models.parameters import Parameter
 from ..models.structural_model import End, StructuralModel
 from ..support.checks import BoolArray, ComplexArray, FloatArray, IntArray, finite_scalar, members
 from ..updating.targets import antiresonance_objective
 
-_MOST_MINORS = 300  # so many sets of responses to several forces are looked at
 _MARGIN = 1.5  # the core looks so far beyond the highest measured value
 
 
@@ -42,7 +42,7 @@ class Layout:
         if isinstance(self.force, int):
             return self.sensors
         every = list(combinations(self.sensors, r))
-        return tuple(every[:: -(-len(every) // _MOST_MINORS)]) if every else ()
+        return tuple(every[:: -(-len(every) // MOST_SETS)]) if every else ()
 
     def roots(self, parameters: Sequence[Parameter], high_hz: float, sees: Any = None) -> _core.Objective:
         """The core's objective of the responses, for its roots up to ``high_hz`` (and none of its values)."""

@@ -144,7 +144,7 @@ class Judge:
         self._tabulate(error, roots_at(core, rows, slopes=True, threads=self.threads))
         states = (self.baseline, self.baseline)
         likelihood = Likelihood(core, n, error, *states, self.options.std_common, self.threads)
-        (slopes,), rate = intact_slopes(likelihood, len(self.test.elements)), self.options.false_alarm_rate
+        (slopes,), rate = intact_slopes(likelihood, len(self.test.elements)), self.options.alarm_share
         self.threshold = None if rate is None else log_odds_threshold(slopes, self.prior, rate, self.rng)
 
     def _tabulate(self, error: ModelError, found: list[Roots]) -> None:

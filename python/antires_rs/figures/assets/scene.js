@@ -164,19 +164,24 @@ window.drawScene = function (place, data) {
   function over() {
     const axes = view();
     for (const one of data.arrows) {
-      pen.strokeStyle = pen.fillStyle = one.colour;
-      pen.lineWidth = 1.3 * ratio * one.width;
       one.heads.forEach((head, i) => {
         const a = seen(axes, ...one.tails[i]), b = seen(axes, ...head), turn = Math.atan2(b[1] - a[1], b[0] - a[0]);
-        const size = 8 * ratio * Math.sqrt(one.width);
-        pen.beginPath();
-        pen.moveTo(a[0], a[1]);
-        pen.lineTo(b[0] - 0.6 * size * Math.cos(turn), b[1] - 0.6 * size * Math.sin(turn));
-        pen.stroke();
-        pen.beginPath();
-        pen.moveTo(b[0], b[1]);
-        for (const way of [0.4, -0.4]) pen.lineTo(b[0] - size * Math.cos(turn + way), b[1] - size * Math.sin(turn + way));
-        pen.fill();
+        const size = 8 * ratio * Math.sqrt(one.width), rim = 1.3 * ratio;
+        for (const [colour, more] of [["#fff", rim], [one.colour, 0]]) { // a white rim, seen on dark faces
+          pen.strokeStyle = pen.fillStyle = colour;
+          pen.lineWidth = 1.3 * ratio * one.width + 2 * more;
+          pen.beginPath();
+          pen.moveTo(a[0], a[1]);
+          pen.lineTo(b[0] - 0.6 * size * Math.cos(turn), b[1] - 0.6 * size * Math.sin(turn));
+          pen.stroke();
+          pen.beginPath();
+          pen.moveTo(b[0], b[1]);
+          for (const way of [0.4, -0.4]) pen.lineTo(b[0] - size * Math.cos(turn + way), b[1] - size * Math.sin(turn + way));
+          pen.closePath();
+          pen.lineWidth = 2 * more;
+          if (more) pen.stroke();
+          pen.fill();
+        }
       });
     }
     const word = (text, at, across) => {
