@@ -12,7 +12,7 @@ import antires_rs as ar
 from antires_rs.damage.inference import Search
 from tests.damage.test_modes import measured as modes
 from tests.support.campaign import some_of
-from tests.support.refusals import each_of
+from tests.support.refusals import each_of, refused
 from tests.support.wrong_chains import NOMINAL, N, assessed, chain, changed, measured, states, truth
 
 
@@ -320,10 +320,8 @@ WRONG |= {"elements": [{"elements": "all"}, {"elements": [1, 1]}]}
 
 @pytest.mark.parametrize(("wrong", "given"), each_of(WRONG))
 def test_what_has_no_effect_or_no_meaning_is_refused(wrong, given):
-    with pytest.raises(ar.InvalidInputError, match=wrong):
-        ar.assess_damage(NOMINAL, NOW, **({"baseline": BEFORE} | given))
-    with pytest.raises(ar.InvalidInputError, match="prior"):
-        ar.DamagePrior(nothing=0.9)
+    refused(wrong, ar.assess_damage, NOMINAL, NOW, **({"baseline": BEFORE} | given))
+    refused("prior", ar.DamagePrior, nothing=0.9)
 
 
 def test_flat_options_of_before_work_and_warn(tmp_path):
