@@ -144,8 +144,7 @@ QUESTION = "are the sets swapped, or has something been stiffened?"
 
 
 @pytest.mark.parametrize(
-    ("seed", "kind"),
-    some_of(product((110, 111, 112), (measured, modes)), [(110, measured), (112, measured), (111, modes)]),
+    ("seed", "kind"), some_of(product((110, 111, 112), (measured, modes)), [(110, measured), (111, modes)])
 )
 def test_swapped_sets_are_asked_about(seed, kind):
     loss = {110: 0.1, 111: 0.3, 112: 0.5}[seed]
@@ -289,7 +288,7 @@ def test_a_rate_of_false_alarms_is_kept(tests, fewest, most):
 
 
 # 0.9 of the tests less three standard deviations; all 60 would hold in one of 500 such runs.
-@pytest.mark.parametrize(("tests", "fewest", "most"), some_of([(24, 18, 24), (60, 47, 59)]))
+@pytest.mark.parametrize(("tests", "fewest", "most"), some_of([(15, 10, 15), (60, 47, 59)]))
 def test_intervals_hold_nine_of_ten(tests, fewest, most):
     held, widths = 0, []
     for seed in range(tests):
