@@ -13,6 +13,7 @@ from antires_rs.app.reading import baseline_of
 from antires_rs.exceptions import InvalidInputError
 from tests.support.four_masses import BAND, chain, exact
 from tests.support.job_files import DAMAGE, losses, run
+from tests.support.refusals import refused
 from tests.support.signalled import interrupt_assessments
 
 #: Four masses of 1 kg on springs that are off by up to 6 %.
@@ -111,11 +112,9 @@ def test_what_does_not_fit_is_named_where_it_stands(records):
     exact(chain()).save(records / "now.json")
     typed = FOUR.replace('"damaged.npz"\nexcitation = 0\nband_hz = [0.8, 9.0]', '"now.json"')
     said = r"line 13, .damage. baseline: got \"intact.npz\", a meas.*Ide"
-    with pytest.raises(InvalidInputError, match=said):
-        intact(records, "intact.npz", typed)
+    refused(said, intact, records, "intact.npz", typed)
     both = FOUR.replace("[data]", "[[data]]") + FOUR[: FOUR.index("[model]")].replace("[data]", "[[data]]")
-    with pytest.raises(InvalidInputError, match=r"baseline: got 1 of them; wanted 2, one for each \[\[dat"):
-        intact(records, "intact.npz", both)
+    refused(r"baseline: got 1 of them; wanted 2, one for each \[\[dat", intact, records, "intact.npz", both)
     assert len(intact(records, ["intact.npz", "intact_2.npz"], both)) == 2
 
 

@@ -16,6 +16,8 @@ from reference.virtual_records import accelerance, chain8_matrices, hit_record
 from tests.support.four_masses import chain, exact
 from tests.support.job_files import DAMAGE
 
+pytestmark = pytest.mark.usefixtures("quick_pictures")
+
 
 def measured(folder, data):
     path = folder / "job.toml"
@@ -261,6 +263,8 @@ def test_damage_by_two_forces_in_a_job_and_its_report_again(tmp_path, capsys):
 file = "now.npz"
 excitation = [0, 4]
 band_hz = [3.0, 130.0]
+[identification]
+dofs = [[0, 1], [1, 2], [2, 3], [3, 4], [0, 5]]
 [model]
 kind = "chain"
 masses_kg = {np.diag(model.mass()).tolist()}

@@ -15,6 +15,7 @@ from antires_rs.app.keys import SECTIONS, TASKS, template
 from tests.support.campaign import examples
 from tests.support.job_files import DAMAGE, UPDATE
 from tests.support.mutations import any_bytes, mutated
+from tests.support.refusals import refused
 
 
 def places(value, path=()):
@@ -98,15 +99,13 @@ def test_dots_and_brackets_in_texts_and_comments_are_no_nesting():
     text += f"c = '''\n{deep}.\n'''\n"
     assert list(parsed("job.toml", text)[0]) == ["note", "b", "c"]
     for nested in (f"{deep} = 1", "x = " + "[" * 60, '"a".' * 50 + "b = 1", f"t = {{ {deep} = 1 }}"):
-        with pytest.raises(ar.InvalidInputError, match="line 10: got .* more than 40 deep"):
-            parsed("job.toml", f"{text}{nested}\n")
+        refused("line 10: got .* more than 40 deep", parsed, "job.toml", f"{text}{nested}\n")
 
 
 @pytest.mark.parametrize("part", ['"\\\\', "'", '"""\\\\', "'''a", '"\\\\\n'])
 def test_texts_without_an_end_are_refused(part):
     # Of this length only a search that is linear comes to its end.
-    with pytest.raises(ar.InvalidInputError, match="no TOML"):
-        parsed("job.toml", part * 40_000)
+    refused("no TOML", parsed, "job.toml", part * 40_000)
 
 
 ONE_FILE = settings(

@@ -12,7 +12,7 @@ import antires_rs as ar
 from antires_rs.damage.inference import Search
 from tests.damage.test_modes import measured as modes
 from tests.support.campaign import some_of
-from tests.support.refusals import each_of
+from tests.support.refusals import each_of, refused
 from tests.support.wrong_chains import NOMINAL, N, assessed, chain, changed, measured, states, truth
 
 
@@ -144,8 +144,7 @@ QUESTION = "are the sets swapped, or has something been stiffened?"
 
 
 @pytest.mark.parametrize(
-    ("seed", "kind"),
-    some_of(product((110, 111, 112), (measured, modes)), [(110, measured), (112, measured), (111, modes)]),
+    ("seed", "kind"), some_of(product((110, 111, 112), (measured, modes)), [(110, measured), (111, modes)])
 )
 def test_swapped_sets_are_asked_about(seed, kind):
     loss = {110: 0.1, 111: 0.3, 112: 0.5}[seed]
@@ -289,7 +288,7 @@ def test_a_rate_of_false_alarms_is_kept(tests, fewest, most):
 
 
 # 0.9 of the tests less three standard deviations; all 60 would hold in one of 500 such runs.
-@pytest.mark.parametrize(("tests", "fewest", "most"), some_of([(24, 18, 24), (60, 47, 59)]))
+@pytest.mark.parametrize(("tests", "fewest", "most"), some_of([(15, 10, 15), (60, 47, 59)]))
 def test_intervals_hold_nine_of_ten(tests, fewest, most):
     held, widths = 0, []
     for seed in range(tests):
@@ -320,10 +319,8 @@ WRONG |= {"elements": [{"elements": "all"}, {"elements": [1, 1]}]}
 
 @pytest.mark.parametrize(("wrong", "given"), each_of(WRONG))
 def test_what_has_no_effect_or_no_meaning_is_refused(wrong, given):
-    with pytest.raises(ar.InvalidInputError, match=wrong):
-        ar.assess_damage(NOMINAL, NOW, **({"baseline": BEFORE} | given))
-    with pytest.raises(ar.InvalidInputError, match="prior"):
-        ar.DamagePrior(nothing=0.9)
+    refused(wrong, ar.assess_damage, NOMINAL, NOW, **({"baseline": BEFORE} | given))
+    refused("prior", ar.DamagePrior, nothing=0.9)
 
 
 def test_flat_options_of_before_work_and_warn(tmp_path):

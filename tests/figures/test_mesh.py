@@ -11,6 +11,7 @@ import pytest
 import antires_rs as ar
 from tests.support.browser import Watched, browser
 from tests.support.meshed import meshed_chain
+from tests.support.refusals import refused
 
 pytest.importorskip("matplotlib", reason="pictures need matplotlib")
 
@@ -84,10 +85,8 @@ def test_arrows_motions_and_whole_numbers_of_a_page():
     places = np.cumsum(np.reshape(data["points"], (-1, 3)), axis=0)
     assert cells.tolist() == found.cells.tolist()
     assert np.allclose(places / 4095, BRICKS, atol=1e-3)
-    with pytest.raises(ar.InvalidInputError, match=r"shape: got 5 values"):
-        scene(model, None, shapes=[("", shape[:5])])
-    with pytest.raises(ar.InvalidInputError, match="no mesh"):
-        ar.figures.plot_mesh(ar.MatrixModel(np.eye(2), np.eye(2)))
+    refused(r"shape: got 5 values", scene, model, None, shapes=[("", shape[:5])])
+    refused("no mesh", ar.figures.plot_mesh, ar.MatrixModel(np.eye(2), np.eye(2)))
 
 
 def test_a_picture_has_what_is_far_first_and_damage_last():

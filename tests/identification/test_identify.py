@@ -61,8 +61,7 @@ def test_the_force_is_never_read_and_its_place_needs_no_channel():
 
 def test_one_set_of_transmissibilities_serves_all_dofs_our_own_estimates_too():
     freq, values = exact().freq_hz, exact().values
-    assert_all(zeros_of(exact()), 1e-3)  # abs(s) of the damped zero differs from the undamped root by zeta**2
-    for reference in (0, 7):
+    for reference in (0, 7):  # abs(s) of the damped zero differs from the undamped root by zeta**2
         quotients = {"kind": "transmissibility", "reference": reference}
         assert_all(zeros_of(ar.FrequencyResponse(freq, values / values[reference], **quotients)), 1e-3)
     assert_all(zeros_of(ar.frf(record(), nperseg=8192)), 5e-3)

@@ -10,7 +10,7 @@ from antires_rs.cases.exhaust_truth import TestedStructure
 from reference.virtual_records import accelerance, hit_record, random_record
 from tests.support.checked_records import BAND, FS, MASS, STIFFNESS
 from tests.support.measured_data import FLOORS, needs_southampton, southampton
-from tests.support.refusals import assert_refused, each_of
+from tests.support.refusals import assert_refused, each_of, unsuitable
 
 LAMBDA, PHI = scipy.linalg.eigh(STIFFNESS, MASS)
 TRUTH = ar.ModalSet(np.sqrt(LAMBDA[1:]) / (2 * np.pi), PHI[:, 1:].T)  # Without the rigid-body mode at 0 Hz.
@@ -86,7 +86,7 @@ def test_modes_just_outside_the_band_do_not_spoil_the_shapes():
         found = ar.identify_modes(rec, band_hz=(8.0, 260.0), route=route)
         assert np.allclose(found.freq_hz, true.freq_hz, rtol=2e-3, atol=0)
         assert np.diag(found.mac(true)).min() > 0.998
-    freq = np.arange(8.0, 260.1, 0.125)  # FRFs that end with the band leave nothing around it to fit.
+    freq = np.arange(8.0, 260.1, 0.25)  # FRFs that end with the band leave nothing around it to fit.
     frfs = [tested.frf(dof, case.excitation, freq) for dof in case.responses]
     cut = ar.identify_modes(ar.FrequencyResponse(freq, frfs, case.responses), band_hz=(8.0, 260.0))
     assert np.allclose(cut.freq_hz, true.freq_hz, rtol=2e-3, atol=0)
@@ -95,11 +95,9 @@ def test_modes_just_outside_the_band_do_not_spoil_the_shapes():
 def test_what_cannot_be_answered_is_refused():
     freq = np.arange(3.0, 130.1, 0.25)
     ratio = ar.FrequencyResponse(freq, np.ones((2, freq.size)), kind="transmissibility", reference=0)
-    with pytest.raises(ar.UnsuitableDataError, match="resonances cancel"):
-        ar.identify_modes(ratio, band_hz=BAND)
+    unsuitable("resonances cancel", ar.identify_modes, ratio, band_hz=BAND)
     rec = record(0.0, duration_s=64.0)
-    with pytest.raises(ar.UnsuitableDataError, match="broadband"):
-        ar.identify_modes(ar.Recording(rec.responses, FS), band_hz=BAND, route="frf")
+    unsuitable("broadband", ar.identify_modes, ar.Recording(rec.responses, FS), band_hz=BAND, route="frf")
     dead = np.vstack([rec.responses[:2], np.zeros(rec.n_samples)])
     for force in (None, rec.force):
         with pytest.raises(ar.UnsuitableDataError, match="dead channel|live channel"):

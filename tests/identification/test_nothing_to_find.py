@@ -58,7 +58,7 @@ def test_it_says_so_and_why(case, seed):
 
 def test_an_ambient_record_is_not_of_one_force():
     chains = (structures.random_chain(1, k) for k in range(8))
-    x = sum(one.record(noise=0.01, seed=10 + k, duration_s=60.0).responses for k, one in enumerate(chains))
+    x = sum(one.record(noise=0.01, seed=10 + k, duration_s=30.0).responses for k, one in enumerate(chains))
     found, _, about = identified(ar.Recording(x, structures.FS_HZ))
     assert "one_force" in about
     assert {grade for dof in found for grade in found.tables[dof].scores["grade"]} <= {"weak"}

@@ -11,6 +11,7 @@ from reference.measured import as_transmissibilities
 from reference.virtual_records import hit_record, random_record, true_antiresonances
 from tests.support.campaign import some_of
 from tests.support.checked_records import BAND, FS, MASS, STIFFNESS, TRUTH
+from tests.support.refusals import refused, unsuitable
 
 
 @cache
@@ -100,16 +101,13 @@ def test_records_that_do_not_belong_together_are_named():
         identified([one, ar.Recording(one.responses, 256.0)])
     with pytest.raises(ar.InvalidInputError, match=r"^source\[2\]: got a record of dofs.*merge_setups"):
         identified([one, one, ar.Recording(one.responses[:5], FS)])
-    with pytest.raises(ar.InvalidInputError, match="^source: got an empty list"):
-        identified([])
+    refused("^source: got an empty list", identified, [])
     with pytest.raises(ar.InvalidInputError, match=r"^source\[1\]: got FrequencyResponse"):
         identified([one, ar.transmissibility(one, 0, nperseg=2048)])
-    with pytest.raises(ar.UnsuitableDataError, match=r"2 decay.*record 3\)"):
-        identified([impact(0), impact(1), one])
+    unsuitable(r"2 decay.*record 3\)", identified, [impact(0), impact(1), one])
     ratios = ar.transmissibility(one, 2, nperseg=4096)
     other = ar.FrequencyResponse(ratios.freq_hz + 0.01, ratios.values, ratios.dofs, ratios.kind, 2)
-    with pytest.raises(ar.InvalidInputError, match=r"^source\[1\].*lines of the first"):
-        identified([ratios, other])
+    refused(r"^source\[1\].*lines of the first", identified, [ratios, other])
 
 
 # ---- Curves of several tests: what moves a whole curve from test to test is in the errors

@@ -12,6 +12,7 @@ import antires_rs as ar
 from antires_rs.damage.hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis
 from tests.support.four_masses import chain, exact
 from tests.support.problems import PROBLEMS, QUICK, zeros
+from tests.support.refusals import unsuitable
 
 
 def dense(matrix):
@@ -109,8 +110,7 @@ def rewritten(path, change):
 )
 def test_another_text_is_refused(saved, change, said):
     rewritten(saved, change)
-    with pytest.raises(ar.UnsuitableDataError, match=said):
-        ar.UpdateResult.load(saved)
+    unsuitable(said, ar.UpdateResult.load, saved)
 
 
 def test_another_objective_is_told(saved):
@@ -120,8 +120,7 @@ def test_another_objective_is_told(saved):
 
 
 def test_other_and_edited_files_are_noticed(saved, tmp_path):
-    with pytest.raises(ar.UnsuitableDataError, match="which holds an UpdateResult.*Use UpdateResult.load"):
-        ar.DamageResult.load(saved)
+    unsuitable("which holds an UpdateResult.*Use UpdateResult.load", ar.DamageResult.load, saved)
     with pytest.raises(ar.InvalidInputError, match="^path: got .*; wanted a file that ends in .npz"):
         ar.UpdateResult.load(saved).save(tmp_path / "run.json")
     arrays = dict(np.load(saved, allow_pickle=False))
@@ -132,8 +131,7 @@ def test_other_and_edited_files_are_noticed(saved, tmp_path):
         (arrays | {"antires_rs": np.frombuffer(text, dtype=np.uint8)}, "whose text does not have its checks"),
     ):
         np.savez(saved, **changed)
-        with pytest.raises(ar.UnsuitableDataError, match=said):
-            ar.UpdateResult.load(saved)
+        unsuitable(said, ar.UpdateResult.load, saved)
 
 
 @pytest.fixture(scope="module")

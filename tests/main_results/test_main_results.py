@@ -9,14 +9,23 @@ import antires_rs as ar
 from tests.main_results import files
 from tests.main_results.cases import KINDS
 from tests.main_results.replay import ANSWERS, ELSEWHERE, LIMITS, compared, differences, names
+from tests.support.campaign import campaign
 
 KEPT = json.loads(ANSWERS.read_text(encoding="utf-8"))
+#: The longest of those that differ from another in seed, state or number of damages alone: for the
+#: campaign and for the replay, which has all.
+AGAIN = {"exhaust 1 noisy", "exhaust 2 wrong", "exhaust 3 exact", "tower 1 noisy"}
+AGAIN |= {"published plate 36A_S3", "published shake table stiff", "chain8 records 870", "chain8 records 871"}
+AGAIN |= {"published Southampton frame 1", "published Southampton frame 2", "baseline {0: 0.1} 831"}
+AGAIN |= {"baseline {0: 0.5, 2: 0.2, 4: 0.3} 835", "baseline {1: 0.2, 3: 0.35} 834"}
+AGAIN |= {"baseline {2: 0.3} 832", "baseline {4: 0.6} 833"}
+AGAIN |= {"simulated random chain, force at 4"}
 
 
 @pytest.mark.parametrize(
     ("kind", "name", "case"),
     [
-        pytest.param(kind, name, case, id=f"{kind} {name}")
+        pytest.param(kind, name, case, id=f"{kind} {name}", marks=campaign if name in AGAIN else ())
         for kind, make in KINDS.items()
         for name, case in make()
     ],

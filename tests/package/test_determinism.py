@@ -47,15 +47,6 @@ def test_equal_generators_agree_and_the_seed_in_the_result_repeats_the_run():
     assert ar.update(problem, optimizer=ga, rng=4).seed == 4
 
 
-def test_evaluate_many_is_cost_row_by_row_for_any_number_of_threads():
-    problem = CASE.damage_problem()
-    low, high = problem.bounds.T
-    candidates = np.random.default_rng(1).uniform(low, high, (200, 7))
-    one_by_one = np.array([problem.cost(x) for x in candidates])
-    for threads in (1, 2, 3, 8, None):
-        assert problem.evaluate_many(candidates, workers=threads).tobytes() == one_by_one.tobytes()
-
-
 def test_python_and_rust_searches_of_one_objective_agree():
     """The same candidates in the same order: without derivatives the search does not know who computes the
     cost. The nominal values are among the first in both: an updating gives nothing worse than these."""

@@ -305,14 +305,15 @@ def draw(rng, n, a90=0.05, slope=4.0):
     return severity, rng.uniform(size=n) < share
 
 
-def test_a_known_curve_is_found_again_and_its_bound_holds_in_95_of_100_studies():
-    curve = fit_logit(*draw(np.random.default_rng(0), 4000))
+@pytest.mark.parametrize(("studies", "fewest", "most"), some_of([(60, 51, 59), (150, 135, 149)]))
+def test_a_known_curve_is_found_again_and_its_bound_holds_in_95_of_100_studies(studies, fewest, most):
+    curve = fit_logit(*draw(np.random.default_rng(0), 1000))
     assert curve.a90 == pytest.approx(0.05, rel=0.06)
-    assert curve.slope == pytest.approx(4.0, rel=0.06)
+    assert curve.slope == pytest.approx(4.0, rel=0.1)  # 4 and 0.1 of it are two steps of its grid
     assert curve.a50 == pytest.approx(0.05 * 9.0 ** (-1 / 4.0), rel=0.06)
     assert curve.at(np.array([curve.a90, curve.a50])) == pytest.approx([0.9, 0.5])
     rng = np.random.default_rng(1)
-    assert 0.90 * 150 <= sum(fit_logit(*draw(rng, 60)).bound >= 0.05 for _ in range(150)) <= 0.995 * 150
+    assert fewest <= sum(fit_logit(*draw(rng, 40)).bound >= 0.05 for _ in range(studies)) <= most
 
 
 @pytest.mark.parametrize("hits", [0, 2])

@@ -7,6 +7,7 @@ import antires_rs as ar
 from antires_rs.exceptions import InvalidInputError
 from tests.identification.test_following import BAND, EXCITATION, chain, curves, hit
 from tests.support.campaign import some_of
+from tests.support.refusals import refused
 
 OPTIONS = {"excitation": EXCITATION, "band_hz": BAND}
 
@@ -83,8 +84,7 @@ def test_one_record_that_does_not_suit_is_left_out_of_what_is_followed(tests, pl
 
 def test_records_of_which_nothing_can_be_followed_are_refused(tests):
     pair = {"first": tests[0], "other": unfit(tests[1], "other dofs")}
-    with pytest.raises(InvalidInputError, match="near: got the first 2, with no two records"):
-        ar.identify_series(pair, **OPTIONS, near=2)
+    refused("near: got the first 2, with no two records", ar.identify_series, pair, **OPTIONS, near=2)
     assert not any(one.followed for one in ar.identify_series(pair, **OPTIONS))
 
 
@@ -93,8 +93,7 @@ def test_records_of_which_nothing_can_be_followed_are_refused(tests):
     [("all", "wanted a set.*or an integer"), (ar.AntiresonanceSet(0, {0: [42.9]}), "force at 0")],
 )
 def test_what_no_test_can_follow_is_refused_once(tests, near, words):
-    with pytest.raises(InvalidInputError, match=f"near: .*{words}"):
-        ar.identify_series(tests[:2], **OPTIONS, near=near)
+    refused(f"near: .*{words}", ar.identify_series, tests[:2], **OPTIONS, near=near)
 
 
 def many(count, rng, rates):

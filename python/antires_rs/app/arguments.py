@@ -204,9 +204,8 @@ def damage_search(
     places: list[KeyPath] = [("damage", "elements", i) for i in range(len(chosen))]
     of = ("data",) if job.data else ("measured",)
     with job.blame(("damage",), {"measured": of, "parameters": places}):
-        UpdatingProblem(
-            model, stiffness_reduction(chosen), measured, penalty=options.prices, weights=options.weights
-        )
+        how = {"penalty": options.prices, "weights": options.weights}
+        UpdatingProblem(model, stiffness_reduction(chosen), measured, **how)
     assess = partial(assess_damage, model, measured, elements=elements, search=options)
     if not baseline:
         return assess

@@ -92,10 +92,8 @@ def new_file(option: str, file: Path | None, *endings: str) -> None:
     if file.suffix not in endings or not file.parent.is_dir():
         raise InvalidInputError(option, repr(str(file)), wanted, remedy)
     if option == "--out" and file.exists() and not _is_ours(file):
-        got, wanted = (
-            f"{str(file)!r}, which exists and is not of antires_rs",
-            "a new file, or one that antires_rs wrote",
-        )
+        got = f"{str(file)!r}, which exists and is not of antires_rs"
+        wanted = "a new file, or one that antires_rs wrote"
         raise InvalidInputError(option, got, wanted, "Choose another name, or move that file away.")
 
 

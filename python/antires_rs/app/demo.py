@@ -82,9 +82,8 @@ def matches(story: Story, level: int) -> dict[str, Any]:
 
 def text(story: Story) -> str:
     """The story's tables."""
-    said = (
-        "{found} of {true} antiresonances found, {false} false, largest error {largest_error_percent:.2f} %"
-    )
+    said = "{found} of {true} antiresonances found, {false} false, "
+    said += "largest error {largest_error_percent:.2f} %"
     before, after = (said.format(**matches(story, level)) for level in (0, 1))
     truth = story.case.truth(1)["severity"].items()
     lost = ", ".join(f"{story.case.model.element_label(e)} {100 * b:g} %" for e, b in truth if b > 0.0)
@@ -133,9 +132,8 @@ def write_files(story: Story, folder: Path) -> None:
 
     truth = story.case.truth(1)["severity"]
     intact, damaged = (found.diagrams[0] for found in story.found)
-    model = drawings_of(
-        story.updated, transmissibility(story.records[0], 0, nperseg=NPERSEG, estimator="rank1")
-    )
+    response = transmissibility(story.records[0], 0, nperseg=NPERSEG, estimator="rank1")
+    model = drawings_of(story.updated, response)
     damage = drawings_of(story.damage, None, truth, {0: damaged})
     pictures = {"stabilization": picture(lambda ax: intact.plot(ax=ax), (9.0, 5.2))}
     pictures |= {name: model.figures[name].png for name in ("response", "differences", "convergence")}

@@ -44,9 +44,8 @@ class Parser(argparse.ArgumentParser):
         found, unknown = super().parse_known_args(args, namespace)
         if unknown:
             known = [option for action in self._actions for option in action.option_strings]
-            self.error(
-                f"unknown argument {unknown[0]}. {nearest(unknown[0].split('=')[0], known, 0.7)}".strip()
-            )
+            near = nearest(unknown[0].split("=")[0], known, 0.7)
+            self.error(f"unknown argument {unknown[0]}. {near}".strip())
         return found, unknown
 
     def error(self, message: str) -> NoReturn:

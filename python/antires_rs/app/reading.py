@@ -73,17 +73,11 @@ def read_signal(file: Path, kind: str, options: Mapping[str, Any], spell: Spell 
             return signal
         names = [str(name) if named else name for name in signal.dofs]
         for name in (name for name in dofs if named and name not in [*names, *left_out]):
-            reject(
-                "dofs",
-                f"{name!r}, which is no channel of {file.name}",
-                f"names out of {names}",
-                "Correct or remove it.",
-            )
+            got = f"{name!r}, which is no channel of {file.name}"
+            reject("dofs", got, f"names out of {names}", "Correct or remove it.")
         # What a table does not name keeps its name.
-        return relabelled(
-            signal,
-            renamed("dofs", names, {**dict(zip(names, names, strict=True)), **dofs} if named else dofs),
-        )
+        labels = {**dict(zip(names, names, strict=True)), **dofs} if named else dofs
+        return relabelled(signal, renamed("dofs", names, labels))
     except InvalidInputError as exc:
         texts = (spelled(text, spell) for text in (exc.wanted, exc.remedy))
         raise type(exc)(exc.argument, exc.got, *texts) from exc
@@ -204,10 +198,8 @@ class Measurement:
         joined, dofs = align(sensors, dofs=names), self._dofs
         if isinstance(dofs, dict):
             names = [str(name) for name in names]
-            dofs = {
-                **dict(zip(names, names, strict=True)),
-                **{k: None if v is False else v for k, v in dofs.items()},
-            }
+            given = {name: None if dof is False else dof for name, dof in dofs.items()}
+            dofs = dict(zip(names, names, strict=True)) | given
         return joined if dofs is None else relabelled(joined, renamed("dofs", names, dofs))
 
     def identified(self) -> Measurement:
@@ -547,12 +539,8 @@ class Call(Job):
         low, high = covered_hz(signal)
         if "excitation" not in table and not self._modes:
             wanted = "--excitation DOF, where the force acts"
-            reject(
-                "--excitation",
-                "nothing",
-                wanted,
-                f"The file has the channels {some(map(repr, signal.dofs), _NAMED)}.",
-            )
+            remedy = f"The file has the channels {some(map(repr, signal.dofs), _NAMED)}."
+            reject("--excitation", "nothing", wanted, remedy)
         if "band_hz" not in table and self._band_needed:
             remedy = f"The data reach from {low:.4g} to {high:.4g} Hz; 'antires look' shows them without it."
             reject("--band", "nothing", "--band LOW HIGH, in Hz, where the curves are clean", remedy)
@@ -646,9 +634,8 @@ def hits_of(args: argparse.Namespace, *, band_needed: bool = True) -> tuple[list
     """What was measured at each hit, read, and the job of the last one."""
     places: list[Any] = args.hit or [None] * len(args.files)
     if len(places) != len(args.files):
-        reject(
-            "--hit", f"{len(places)} places", f"{len(args.files)}, one for each file", "Name all in order."
-        )
+        wanted = f"{len(args.files)}, one for each file"
+        reject("--hit", f"{len(places)} places", wanted, "Name all in order.")
     if args.excitation is not None:
         reject("--excitation", "it beside --roving", "--hit for each file", "Leave it out: the force moved.")
     sensor, hits = args.roving, []

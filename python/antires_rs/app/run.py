@@ -110,9 +110,8 @@ class RunFolder:
         return Path(os.path.normpath(self.folder / str(self.read_record().get("job", ""))))
 
 
-_PICTURE = re.compile(
-    r"(differences|modes|convergence|damage|hypotheses|model|response|stabilization_.*)\.png"
-)
+_DRAWN = "differences modes convergence damage hypotheses model response stabilization_.*"
+_PICTURE = re.compile(rf"({_DRAWN.replace(' ', '|')})\.png")
 
 
 def picture_name(name: str) -> str:
@@ -168,12 +167,11 @@ class Evidence:
     def load(cls, path: Path) -> Evidence:
         """Read it."""
         _, data = read_store(path, FORMAT, VERSION, "the evidence.npz of a run")
-        tables = tuple(
-            {Dofs.of_file(dof): _made(diagram) for dof, diagram in table} for table in data["diagrams"]
-        )
+        tables = data["diagrams"]
+        diagrams = tuple({Dofs.of_file(dof): _made(diagram) for dof, diagram in table} for table in tables)
         kept = data["response"]
         # Files of older versions do not say what kind it is.
-        return cls(tables, kept and FrequencyResponse(**({"kind": "transmissibility"} | kept)))
+        return cls(diagrams, kept and FrequencyResponse(**({"kind": "transmissibility"} | kept)))
 
 
 def _described(diagram: StabilizationDiagram, store: Store) -> dict[str, Any]:
@@ -435,9 +433,8 @@ def _searched(
     if resume:
         _check_inputs(job, folder, inputs)
     sets: list[Any] = _sets(measured, folder, "antiresonances", resume) or modes
-    before: list[Any] = _sets(intact, folder, "baseline", resume) or modes_of(
-        job, model, ("damage", "baseline")
-    )
+    before: list[Any] = _sets(intact, folder, "baseline", resume)
+    before = before or modes_of(job, model, ("damage", "baseline"))
     found: Any = sets[0] if len(sets) == 1 else sets
     search: Callable[..., UpdateResult]
     if job.task == "damage":

@@ -11,7 +11,6 @@ import numpy as np
 
 from ..exceptions import reject
 from ..figures.canvas import picture
-from ..figures.report_parts import Drawings
 from ..io.registry import CONVERT
 from ..io.uff import force_of
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -90,7 +89,13 @@ def report(args: argparse.Namespace) -> int:
     existing("RESULT", file, "'antires update' and 'antires damage' write result.npz into their folder.")
     out: Path = args.out or file.with_name("report.html")
     new_file("--out", out, ".html", ".htm")
-    drawn = write_report_of(file, out, args.title)
+    with arguments({"path": "RESULT"}):
+        result = UpdateResult.load(file)
+    say("writing the report")
+    folder = RunFolder(file.parent)
+    beside = runs.beside_of(folder, result, folder.read_record())
+    drawn = runs.drawings(result, runs.evidence_in(folder, result), beside)
+    runs.report(result, out, folder, drawn, args.title)
     written: list[Path] = []
     if args.pictures is not None:
         args.pictures.mkdir(parents=True, exist_ok=True)
@@ -98,18 +103,6 @@ def report(args: argparse.Namespace) -> int:
     numbers = {"report": str(out), "pictures": [str(file) for file in written]}
     show(args.json, numbers, "\n".join(f"Wrote {path}" for path in (out, *written)))
     return 0
-
-
-def write_report_of(file: Path, out: Path, title: str | None = None) -> Drawings:
-    """Write the report of a saved result; returns its figures."""
-    with arguments({"path": "RESULT"}):
-        result = UpdateResult.load(file)
-    say("writing the report")
-    folder = RunFolder(file.parent)
-    beside = runs.beside_of(folder, result, folder.read_record())
-    drawn = runs.drawings(result, runs.evidence_in(folder, result), beside)
-    runs.report(result, out, folder, drawn, title)
-    return drawn
 
 
 def explain(args: argparse.Namespace) -> int:
@@ -194,8 +187,6 @@ def resume(args: argparse.Namespace) -> int:
         print(printable(text), end="")
         return 0
     got = f"{str(args.job)!r}, whose run was stopped and kept no checkpoint"
-    remedy = (
-        f"Begin anew with 'antires {job.task} {runs.near(job.path)}'; a search, where there is no baseline, "
-    )
-    remedy += "keeps one by checkpoint = true under [search]."
+    remedy = f"Begin anew with 'antires {job.task} {runs.near(job.path)}'; a search, where there is no "
+    remedy += "baseline, keeps one by checkpoint = true under [search]."
     reject("JOB", got, "a search that is kept on disk", remedy)

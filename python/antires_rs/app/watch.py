@@ -188,9 +188,8 @@ class Arrivals:
                 if abs(time.time() - max(one.stat().st_mtime for one in (path, *inside))) >= SETTLED_S:
                     found.append(path)
                     continue
-            except (
-                OSError
-            ) as exc:  # renamed while it was looked at; or what will never be read, which is told
+            except OSError as exc:
+                # Renamed while it was looked at; or what will never be read, which is told.
                 if path.is_symlink() or not isinstance(exc, FileNotFoundError):
                     found.append(path)
                     continue

@@ -161,9 +161,8 @@ def _check_type(name: str, value: Any) -> Any:
         several = name == "crossovers" and isinstance(value, Iterable) and not isinstance(value, str)
         texts = list(value) if several else [value]
         if not all(isinstance(each, str) for each in texts):
-            reject(
-                name, value, "text, or a list of texts", "Put it in quotes; see the docstring for the names."
-            )
+            remedy = "Put it in quotes; see the docstring for the names."
+            reject(name, value, "text, or a list of texts", remedy)
         return texts if name == "crossovers" else value
     if name == "polish":
         if value is not None and not isinstance(value, bool):

@@ -52,9 +52,7 @@ class DofNames:
         if dof is not None:
             return dof
         listed = list(self._dof)
-        of_node = (
-            [] if point is None else [listed[d] for (node, _), d in self._at.items() if node == point[0]]
-        )
+        of_node = [listed[d] for (node, _), d in self._at.items() if point and node == point[0]]
         near = (of_node or get_close_matches(label, listed, _OFFERED, 0.5) or listed)[:_OFFERED]
         wanted = f"a dof of the model: its zero-based number, 0 to {len(listed) - 1}, or its name"
         reject(name, repr(label), wanted, f"Names of the model are like {', '.join(map(repr, near))}.")

@@ -140,9 +140,8 @@ def names_left(module: str, instead: Mapping[str, str]) -> Callable[[str], Any]:
     """The ``__getattr__`` of a module from which names have left: what to use instead."""
 
     def look_up(name: str) -> Any:
-        told = (
-            f"{module}.{name} has left: {instead[name]}" if name in instead else f"{module} has no {name!r}"
-        )
+        left = name in instead
+        told = f"{module}.{name} has left: {instead[name]}" if left else f"{module} has no {name!r}"
         raise AttributeError(told, name=name, obj=sys.modules[module])
 
     return look_up

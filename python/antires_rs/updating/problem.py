@@ -207,9 +207,8 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         choice("misfit", misfit, get_args(Misfit))
         targets = targets_of(checked_model(model), measured, objective)
         if not targets.hz.size:
-            reject(
-                "measured", f"no {targets.noun}", "at least one", "Identify in another band, or at more dofs."
-            )
+            remedy = "Identify in another band, or at more dofs."
+            reject("measured", f"no {targets.noun}", "at least one", remedy)
         chosen = model._by_number(chosen)
         bounds = np.array([p.bounds for p in chosen], dtype=np.float64).reshape(-1, 2)
         parts = model.description.core_parameters(chosen)

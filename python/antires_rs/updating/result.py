@@ -221,9 +221,8 @@ class UpdateResult(ReadOnly, Viewed):
         finite_scalar("level", level, low=0.5, high=0.999)
         integer("points", points, low=5, high=1001)
         if name not in self.problem.names:
-            reject(
-                "name", repr(name), "a parameter of the result", f"One of {', '.join(self.problem.names)}."
-            )
+            remedy = f"One of {', '.join(self.problem.names)}."
+            reject("name", repr(name), "a parameter of the result", remedy)
         return self._profile(name, level, points)
 
     def _profile(self, *asked: Any) -> ProfileLikelihood:

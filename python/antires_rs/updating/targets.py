@@ -199,11 +199,13 @@ def complex_zeros(
 
     first = model.modes(n_modes=1).freq_hz
     if first.size and first[0] > _MODES * f_max_hz:
-        got, wanted = (
+        wanted = f"resonances near the values, up to {f_max_hz:.4g} Hz"
+        reject(
+            "model",
             f"one whose first resonance is {first[0]:.3g} Hz",
-            f"resonances near the values, up to {f_max_hz:.4g} Hz",
+            wanted,
+            "Check its units: m, kg, N, Pa.",
         )
-        reject("model", got, wanted, "Check its units: m, kg, N, Pa.")
     modes = model.modes(f_max_hz=_MODES * f_max_hz)
     n, rows, columns = modes.freq_hz.size, members(response), members(excitation)
     # Eigenvalues x of the pencil [[L - x, phi_k], [phi_i', 0]], L being the diagonal of the eigenvalues, in

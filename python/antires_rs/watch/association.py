@@ -76,9 +76,8 @@ class Values:
     def take(self, chosen: Any) -> Values:
         """Those of some tests."""
         at = np.arange(len(self.strange))[chosen]
-        return Values(
-            self.log_hz[at], self.std[at], self.looked[at], tuple(self.strange[i] for i in at.tolist())
-        )
+        strange = tuple(self.strange[i] for i in at.tolist())
+        return Values(self.log_hz[at], self.std[at], self.looked[at], strange)
 
 
 def places_of(sets: Sequence[AntiresonanceSet], max_shift: float) -> Places:

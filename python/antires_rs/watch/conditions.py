@@ -217,9 +217,8 @@ def _columns(given: Any) -> dict[Any, Any]:
 def _of_columns(given: Mapping[Any, Any]) -> ConditionTable:
     columns: dict[str, Any] = {}
     names = times = None
-    naming = next(
-        (key for name in NAMES for key in given if _is_one_of(key, (name,)) and len(given[key])), None
-    )
+    called = (key for name in NAMES for key in given if _is_one_of(key, (name,)) and len(given[key]))
+    naming = next(called, None)
     for key, values in given.items():
         if isinstance(values, str) or not hasattr(values, "__len__"):
             reject(part("conditions", key), values, "a list or an array, one for each test", "Give a list.")

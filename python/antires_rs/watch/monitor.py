@@ -368,10 +368,8 @@ def _check_judge(model: Any, assessor: Any, one: AntiresonanceSet, options: Mapp
         own = {each.excitation: tuple(each) for each in assessor.baseline}
         if not set(own.get(one.excitation, ())) & set(one):
             wanted = f"one for the force at {one.excitation!r} and dofs of these tests, {tuple(one)}"
-            got = "one for " + ", ".join(
-                f"the force at {at!r} and the dofs {dofs}" for at, dofs in own.items()
-            )
-            reject("assessor", got, wanted, "Make it from some of their baseline.")
+            sees = (f"the force at {at!r} and the dofs {dofs}" for at, dofs in own.items())
+            reject("assessor", f"one for {', '.join(sees)}", wanted, "Make it from some of their baseline.")
 
 
 _FEWEST = 6  # places that so many tests of the baseline have are followed, at least

@@ -227,9 +227,8 @@ def check_format(argument: str, path: Path, facts: Mapping[str, Any], newest: in
     if facts.get("format") != FORMAT:
         reject(argument, f"{str(path)!r} of another kind", WANTED, "Name another.")
     if facts.get("version", newest + 1) > newest:
-        reject(
-            argument, f"{str(path)!r} of version {facts.get('version')}", f"{newest}", "Update antires_rs."
-        )
+        got = f"{str(path)!r} of version {facts.get('version')}"
+        reject(argument, got, f"{newest}", "Update antires_rs.")
 
 
 def write_table(path: Path, rows: Sequence[Row], config: dict[str, Any] | None) -> None:
@@ -256,10 +255,8 @@ def write_table(path: Path, rows: Sequence[Row], config: dict[str, Any] | None) 
                     lines.writerows(zip(*(map(cell, column) for column in columns.values()), strict=True))
         else:
             arrow = pyarrow()
-            schema = arrow.schema(
-                [(name, arrow.type_for_alias(_ARROW[kind])) for name, kind in fields.items()]
-            )
-            schema = schema.with_metadata({"antires_rs": json.dumps(facts)})
+            types = {name: arrow.type_for_alias(_ARROW[kind]) for name, kind in fields.items()}
+            schema = arrow.schema(types).with_metadata({"antires_rs": json.dumps(facts)})
             write = arrow.parquet.ParquetWriter
             options = {"compression": "zstd", "write_page_checksum": True}
             with open(beside, "wb") as binary, write(binary, schema, **options) as writer:
