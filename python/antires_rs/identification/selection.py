@@ -35,6 +35,8 @@ from .stabilization import PRESENCE, StabilizationDiagram, Window, diagram
 ABOVE = (1, 2, 3, 4)  # orders above the likeliest that are compared with it
 LARGEST = 3.0  # the largest shift over the next, at most
 SAME_ROOT = 0.01  # a root further off than this share of the frequency is another one
+# What no order shows of it, in line spacings, in minors; from chain8 without noise, forces (0, 4), two seeds.
+LEAKAGE = 0.004
 
 
 def order_scatter(s: ComplexArray, roots: Sequence[ComplexArray], count: Any = 1) -> FloatArray:
@@ -132,6 +134,8 @@ def select(
         own = roots[row][~shared(roots[row], others)]
         s, share, std, count = _candidates(best, influence, sweep, own, lines, window.report_hz, rule)
         std = np.hypot(std, order_scatter(s, [every[row] for every in other_orders], count))
+        if lines.order > 1:
+            std = np.hypot(std, LEAKAGE * float(np.median(np.diff(lines.freq_hz))))
         seen = _seen(s, sweep, higher, rule)
         counts = np.array([len(own) for own in seen], dtype=int)
         stays = (counts > rule.min_rows) & (counts >= PRESENCE * len(higher))
@@ -207,7 +211,9 @@ def _candidates(
 APART = 3.0  # standard deviations of the squared half distance that tell two roots apart
 SECOND = 0.3  # of the second order in damping a half distance may be this share of the decay
 WIDEST_SPLIT = 0.06  # roots further apart, as a share of the frequency, are no halves
-BETTER_KNOWN = 0.25  # largest standard deviation of the mean over that of each root: their errors are opposite
+BETTER_KNOWN = (
+    0.25  # largest standard deviation of the mean over that of each root: their errors are opposite
+)
 
 
 def _joined(
