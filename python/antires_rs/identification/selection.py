@@ -16,6 +16,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..measured.response_table import ResponseTable
 from ..support.checks import ComplexArray, FloatArray
@@ -80,6 +81,7 @@ OTHER_HALF = 0.02
 # A zero that owns less than this share of its curve, or is this near to a root that all responses share, is
 # doubtful: it needs a root of the same frequency and damping in PRESENCE of the higher orders.
 WEAK, NEARLY_SHARED, SAME_DAMPING = 0.5, 0.05, 0.002
+NEARLY_SHARED_MINORS = 0.01  # of many sets of responses most have roots that others have, too
 
 
 def likeliest_of(lines: Lines, options: IdentificationOptions) -> Likeliest:
@@ -140,7 +142,7 @@ def select(
         counts = np.array([len(own) for own in seen], dtype=int)
         stays = (counts > rule.min_rows) & (counts >= PRESENCE * len(higher))
         zeros = _table(s, share, std, count, seen, stays, one.accepted, lines.added_decay_per_s)
-        keep = _credible(s, zeros, stays, others)
+        keep = _credible(s, zeros, stays, others, NEARLY_SHARED if lines.order == 1 else NEARLY_SHARED_MINORS)
         if not rule.persistent:
             keep &= zeros.how == "chain"
         fitted = np.delete(numerators, row, axis=0) * (1.0 / numerators[row])
@@ -248,11 +250,13 @@ def _joined(
     )
 
 
-def _credible(s: ComplexArray, zeros: ResponseTable, stays: Any, others: list[ComplexArray]) -> Any:
+def _credible(
+    s: ComplexArray, zeros: ResponseTable, stays: Any, others: list[ComplexArray], nearly: float
+) -> Any:
     """Which zeros may be accepted: at once, or because they stay, most higher orders having them too."""
     # With fewer than two others nothing can be told of what all rows share: the higher orders decide.
     unknown = len(others) < 2
-    near = np.zeros(s.size, dtype=bool) if unknown else shared(s, others, NEARLY_SHARED)
+    near = np.zeros(s.size, dtype=bool) if unknown else shared(s, others, nearly)
     hardly_damped = ~near & (zeros.dominance >= RIGHT_DOMINANCE) & (stays | (not unknown))
     damped = stays | ~(near | unknown | (zeros.dominance < WEAK))
     return np.where(zeros.damping_ratio < LEAST_DAMPING, hardly_damped, damped)
