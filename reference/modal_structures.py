@@ -70,18 +70,22 @@ class ModalStructure:
         return -(f**2) / (own**2 - f**2 + 2j * self.damping[:, None] * own * f)
 
     def zeros(self, row, force=None):
-        """(frequencies in Hz, damping ratios) of the zeros of one sensor in the band, ascending."""
-        b = self.force if force is None else force
-        m = b.size
+        """(frequencies in Hz, damping ratios) of the zeros of one sensor in the band, ascending.
+
+        Of several forces, modal participations (r, n_modes), those of the minor of r sensors.
+        """
+        b = np.atleast_2d(self.force if force is None else force)
+        rows = self.sensors[np.atleast_1d(row)]
+        m, r = self.freq_hz.size, len(b)
         w = self.freq_hz / self.freq_hz.max()
-        # States: displacements and velocities of the modes, and the force that keeps the sensor still.
-        left = np.zeros((2 * m + 1, 2 * m + 1))
+        # States: displacements and velocities of the modes, and the forces that keep the sensors still.
+        left = np.zeros((2 * m + r, 2 * m + r))
         left[:m, m : 2 * m] = np.eye(m)
         left[m : 2 * m, :m] = -np.diag(w**2)
         left[m : 2 * m, m : 2 * m] = -np.diag(2 * self.damping * w)
-        left[m : 2 * m, -1] = b / np.abs(b).max()
-        left[-1, :m] = self.sensors[row] / np.abs(self.sensors[row]).max()
-        right = np.diag(np.append(np.ones(2 * m), 0.0))
+        left[m : 2 * m, 2 * m :] = (b / np.abs(b).max(axis=1, keepdims=True)).T
+        left[2 * m :, :m] = rows / np.abs(rows).max(axis=1, keepdims=True)
+        right = np.diag(np.append(np.ones(2 * m), np.zeros(r)))
         alpha, beta = scipy.linalg.eig(left, right, right=False, homogeneous_eigvals=True)
         finite = np.abs(beta) > 1e-9 * np.abs(alpha)
         s = alpha[finite] / beta[finite] * self.freq_hz.max()

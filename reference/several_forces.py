@@ -13,6 +13,19 @@ from reference.deleted_pencils import antiresonances_hz
 SAME = 0.01
 
 
+def modal_record(structure, forces, duration_s, noise, rng):
+    """Accelerations of a structure of modes under uncorrelated white forces at some of its sensors."""
+    rng = np.random.default_rng(rng)
+    n = int(duration_s * structure.fs_hz)
+    freq = np.fft.rfftfreq(2 * n, 1.0 / structure.fs_hz)
+    shape = (len(forces), freq.size)
+    white = (rng.standard_normal(shape) + 1j * rng.standard_normal(shape)) * (freq > 0.0)
+    modal = structure.oscillators(freq) * (structure.sensors[list(forces)].T @ white)
+    x = np.fft.irfft(structure.sensors @ modal, 2 * n)[:, n // 2 : n // 2 + n]
+    x += noise * x.std(axis=1, keepdims=True) * rng.standard_normal(x.shape)
+    return ar.Recording(x, structure.fs_hz)
+
+
 def record_of(model, forces, duration_s, noise, rng, *, fs_hz=400.0, damping_ratio=0.01, levels=None):
     """Responses of all dofs to forces of their own spectra, ``levels`` the amplitude of each."""
     rng = np.random.default_rng(rng)
@@ -43,12 +56,21 @@ class Verdict:
 
 def verdict(zeros, stiffness, mass, band_hz):
     """What a set of several forces has of the exact roots; minors that are zero everywhere have none."""
+
+    def exact(pair):
+        found = antiresonances_hz(stiffness, mass, list(pair), list(zeros.excitation))
+        return np.empty(0) if found is None else found
+
+    return verdict_of(zeros, exact, band_hz)
+
+
+def verdict_of(zeros, exact_of, band_hz, damped_of=None):
+    """The same with exact roots by the set of responses; values at ``damped_of`` are not false either."""
     low, high = band_hz
     there = found = 0
     deviations, off, missed, invented = [], [], [], []
     for pair, got in zeros.items():
-        exact = antiresonances_hz(stiffness, mass, list(pair), list(zeros.excitation))
-        exact = np.empty(0) if exact is None else exact
+        exact = exact_of(pair)
         inside = exact[(exact > low) & (exact < high)]
         there += inside.size
         for value in inside.tolist():
@@ -59,5 +81,6 @@ def verdict(zeros, stiffness, mass, band_hz):
             found, at = found + 1, int(distance.argmin())
             off.append(got[at] / value - 1.0)
             deviations.append((got[at] - value) / zeros.tables[pair].std_hz[at])
-        invented += [(pair, f) for f in got.tolist() if np.abs(exact / f - 1.0).min(initial=1.0) > SAME]
+        there_too = exact if damped_of is None else np.append(exact, damped_of(pair))
+        invented += [(pair, f) for f in got.tolist() if np.abs(there_too / f - 1.0).min(initial=1.0) > SAME]
     return Verdict(there, found, len(invented), np.array(deviations), np.array(off), missed, invented)

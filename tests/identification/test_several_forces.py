@@ -107,6 +107,18 @@ def test_two_forces_of_unknown_spectra(zeros):
     assert 0.75 <= said.held <= 0.99
 
 
+def test_double_root_is_one_value():
+    """Equal springs between the forces: 58.52 Hz twice, which one per cent of damping parts by three."""
+    record = record_of(CHAIN, (2, 6), 300.0, 0.01, 11)
+    zeros = quiet(record, [2, 6], dofs=[(1, 5), (2, 5)])
+    for pair in zeros:
+        exact = antiresonances_hz(STIFFNESS, MASS, list(pair), [2, 6])
+        (double,) = exact[:-1][np.diff(exact) < 1e-3]
+        (at,) = np.flatnonzero(np.abs(zeros[pair] / double - 1.0) < 0.03)
+        assert zeros.tables[pair].scores["how"][at] == "double root"
+        assert abs(zeros[pair][at] - double) < min(3.0 * zeros.tables[pair].std_hz[at], 0.003 * double)
+
+
 def test_responses_behind_one_force_have_no_minor(zeros):
     """Beyond mass 4 both forces arrive through it, so that two responses there hold one unknown."""
     silent = {(i, k) for i in range(4, 8) for k in range(i + 1, 8)}

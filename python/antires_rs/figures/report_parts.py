@@ -71,6 +71,7 @@ _HOW = {  #: How values were accepted, in words.
     "chain": "stable over consecutive orders",
     "persistent": "in most orders without standing still",
     "likeliest order": "from the likeliest order alone",
+    "double root": "two roots that are not told apart, as one",
     "windows": "seen by most fits over windows",
     "directions": "seen by most perturbed local fits",
     "followed": "followed from known values",

@@ -51,7 +51,7 @@ class Lines:
     structure: the norm of measured FRFs or of the responses to one impact. ``noise_given``: the
     signal-to-noise ratio came with the curves. ``runs`` are the unit vectors of each of several tests whose
     average the vectors are, scaled alike, (n_freq, n_rows, n_tests). Lines below ``least_snr`` hold no
-    direction by which a fit may be judged.
+    direction by which a fit may be judged. ``order`` is the number of forces.
     """
 
     freq_hz: FloatArray
@@ -66,6 +66,7 @@ class Lines:
     noise_given: bool = False
     runs: ComplexArray | None = None
     least_snr: float = 0.0
+    order: int = 1
 
     def part(self, first: int, last: int) -> Lines:
         """Some of the lines."""

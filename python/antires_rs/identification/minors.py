@@ -241,6 +241,7 @@ def lines_of_minors(averages: Averages, some: Subspaces, rows: NDArray[np.intp])
         spectra.n_averages / spectra.n_effective,
         spectra.draws,
         least_snr=LEAST_SNR,
+        order=some.order,
     )
 
 

@@ -505,17 +505,26 @@ class Influence:
         within, between = np.concatenate([np.empty((2, 0)), *map(np.stack, both)], axis=1)
         self._excess = excess(between, within, self._sums.shape[1])
 
-    def standard_deviations(self, row: int | FloatArray, s: ComplexArray) -> FloatArray:
-        """Standard deviation in Hz of zeros ``s`` (rad/s) of one row, or of a weighted sum of all rows."""
-        within, between = self.variances(row, s)
+    def standard_deviations(
+        self, row: int | FloatArray, s: ComplexArray, means: FloatArray | None = None
+    ) -> FloatArray:
+        """Standard deviation in Hz of zeros ``s`` (rad/s) of one row, or of a weighted sum of all rows.
+
+        With ``means`` (n_means, n_zeros) those of such means of the zeros.
+        """
+        within, between = self.variances(row, s, means)
         if self._sums is not None:
             within = combined(between, within, self._sums.shape[1], self._excess)
         return np.asarray(np.sqrt(within))
 
-    def variances(self, row: int | FloatArray, s: ComplexArray) -> tuple[FloatArray, FloatArray]:
+    def variances(
+        self, row: int | FloatArray, s: ComplexArray, means: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Variances in Hz^2 from the scatter inside the draws, and from that between them (0 for one)."""
         weights = np.eye(self.c.shape[1])[row] if isinstance(row, int) else row
         slope = self.fit.slopes(self.c @ weights, s)
+        if means is not None:
+            s, slope = means @ s, means @ slope
         by_size = (slope * s.conj()[:, None]).real / np.abs(s)[:, None]
         gradient = by_size[:, :, None] * weights
         flat = gradient.reshape(s.size, self.c.size) @ self._vectors

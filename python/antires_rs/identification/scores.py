@@ -8,6 +8,7 @@ spread           relative standard deviation of its frequency over these orders
 dominance        share of the curve that the pole owns at its frequency; 1 is all of it
 how              "chain": stable in consecutive orders; "persistent": in most orders, without standing still;
                  "likeliest order": accepted at once from the fit of the order that the data support;
+                 "double root": two roots or more of several forces that are not told apart, as their mean;
                  "windows": seen by most of the fits over windows;
                  "directions": seen again by most of the perturbed local fits
 residual         relative misfit of the fit around the value

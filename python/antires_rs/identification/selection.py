@@ -16,6 +16,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..measured.response_table import ResponseTable
 from ..support.checks import ComplexArray, FloatArray
@@ -35,23 +36,30 @@ from .stabilization import PRESENCE, StabilizationDiagram, Window, diagram
 ABOVE = (1, 2, 3, 4)  # orders above the likeliest that are compared with it
 LARGEST = 3.0  # the largest shift over the next, at most
 SAME_ROOT = 0.01  # a root further off than this share of the frequency is another one
+# What no order shows of it, in line spacings, in minors; from chain8 without noise, forces (0, 4), two seeds.
+LEAKAGE = 0.004
 
 
-def order_scatter(s: ComplexArray, roots: Sequence[ComplexArray]) -> FloatArray:
+def order_scatter(s: ComplexArray, roots: Sequence[ComplexArray], count: Any = 1) -> FloatArray:
     """Root mean square in Hz of the shifts of zeros ``s`` (rad/s) to the nearest of other orders, (n,).
 
     The largest shift counts with at most three times the next: at one order a spurious root may come between.
-    What an order does not have counts with the distance up to which it was looked for.
+    What an order does not have counts with the distance up to which it was looked for. Zeros that are the
+    mean of a ``count`` of roots go with the mean of as many.
     """
     if len(roots) < 2 or not s.size:
         return np.zeros(s.size)
     most = SAME_ROOT * np.abs(s)
     shifts = np.tile(most, (len(roots), 1))
+    several = np.flatnonzero(np.broadcast_to(count, s.shape) > 1)
     for row, every in zip(shifts, roots, strict=True):
         if every.size:
             nearest = every[np.argmin(np.abs(every - s[:, None]), axis=1)]
             near = np.abs(nearest - s) <= most
             row[near] = np.abs(np.abs(nearest) - np.abs(s))[near]
+        for i in several.tolist():
+            about = every[np.argsort(np.abs(every - s[i]))[: count[i]]]
+            row[i] = min(most[i], abs(abs(complex(about.mean())) - abs(complex(s[i]))))
     shifts.sort(axis=0)
     shifts[-1] = np.minimum(shifts[-1], LARGEST * shifts[-2])
     return np.asarray(np.sqrt(np.mean(shifts**2, axis=0)) / (2 * np.pi))
@@ -73,6 +81,7 @@ OTHER_HALF = 0.02
 # A zero that owns less than this share of its curve, or is this near to a root that all responses share, is
 # doubtful: it needs a root of the same frequency and damping in PRESENCE of the higher orders.
 WEAK, NEARLY_SHARED, SAME_DAMPING = 0.5, 0.05, 0.002
+NEARLY_SHARED_MINORS = 0.01  # of many sets of responses most have roots that others have, too
 
 
 def likeliest_of(lines: Lines, options: IdentificationOptions) -> Likeliest:
@@ -125,13 +134,15 @@ def select(
             sweep, orders, window.report_hz, rule, lines.freq_hz, background, lines.added_decay_per_s
         )
         own = roots[row][~shared(roots[row], others)]
-        s, share, std = _candidates(best, influence, sweep, own, lines, window.report_hz, rule)
-        std = np.hypot(std, order_scatter(s, [every[row] for every in other_orders]))
+        s, share, std, count = _candidates(best, influence, sweep, own, lines, window.report_hz, rule)
+        std = np.hypot(std, order_scatter(s, [every[row] for every in other_orders], count))
+        if lines.order > 1:
+            std = np.hypot(std, LEAKAGE * float(np.median(np.diff(lines.freq_hz))))
         seen = _seen(s, sweep, higher, rule)
         counts = np.array([len(own) for own in seen], dtype=int)
         stays = (counts > rule.min_rows) & (counts >= PRESENCE * len(higher))
-        zeros = _table(s, share, std, seen, stays, one.accepted, lines.added_decay_per_s)
-        keep = _credible(s, zeros, stays, others)
+        zeros = _table(s, share, std, count, seen, stays, one.accepted, lines.added_decay_per_s)
+        keep = _credible(s, zeros, stays, others, NEARLY_SHARED if lines.order == 1 else NEARLY_SHARED_MINORS)
         if not rule.persistent:
             keep &= zeros.how == "chain"
         fitted = np.delete(numerators, row, axis=0) * (1.0 / numerators[row])
@@ -148,8 +159,11 @@ def _candidates(
     lines: Lines,
     report_hz: tuple[float, float],
     rule: FitOptions,
-) -> tuple[ComplexArray, FloatArray, FloatArray]:
-    """Zeros in the band, lightly damped, well known, not half of a complex pair; dominance, std in Hz."""
+) -> tuple[ComplexArray, FloatArray, FloatArray, NDArray[np.int64]]:
+    """Zeros in the band, lightly damped, well known, not half of a complex pair.
+
+    With their dominance, standard deviation in Hz, and of how many roots each is the mean.
+    """
     size = np.abs(s)
     damping = -(s.real + lines.added_decay_per_s) / size
     s = s[
@@ -159,13 +173,16 @@ def _candidates(
         & (np.abs(damping) <= WIDEST)
     ]
     if not s.size:
-        return s, np.empty(0), np.empty(0)
+        return s, np.empty(0), np.empty(0), np.empty(0, dtype=np.int64)
     share = best.fit.dominances(best.coefficients, sweep.row, s, sweep.others)
     least = min(OTHER_HALF, rule.min_dominance)
     s, share = s[share >= least], share[share >= least]
     std = influence.standard_deviations(sweep.row, s)
+    split, count = np.zeros(s.size), np.ones(s.size, dtype=np.int64)
+    if lines.order > 1:
+        s, share, std, split, count = _joined(influence, sweep.row, s, share, std)
     known = std <= KNOWN * rule.freq_tol * np.abs(s) / (2 * np.pi)
-    s, share, std = s[known], share[known], std[known]
+    s, share, std, count = s[known], share[known], np.hypot(std, split)[known], count[known]
     size = np.abs(s)
     freq, damping = size / (2 * np.pi), -(s.real + lines.added_decay_per_s) / size
     apart, error = np.abs(damping[:, None] - damping), std / freq
@@ -182,14 +199,64 @@ def _candidates(
     )
     # In the order of the table that is made of them.
     rank = sorted(np.flatnonzero(keep), key=lambda i: abs(complex(s[i]) + lines.added_decay_per_s))
-    return s[rank], share[rank], std[rank]
+    return s[rank], share[rank], std[rank], count[rank]
 
 
-def _credible(s: ComplexArray, zeros: ResponseTable, stays: Any, others: list[ComplexArray]) -> Any:
+# -- Double roots
+#
+# Near a root of two or more at one place a small change e of the numerator, by noise or by damping that is
+# not proportional, parts them by the root of e, one per cent of damping by some per cent, while their mean
+# moves by e. Let two roots be s = c +- d. Damping makes d^2 imaginary to first order: what is left of two
+# roots without damping is the real part of -d^2, a square of half their distance, negative of complex ones.
+# Roots of which it is not told from zero are one value, their mean.
+
+APART = 3.0  # standard deviations of the squared half distance that tell two roots apart
+SECOND = 0.3  # of the second order in damping a half distance may be this share of the decay
+WIDEST_SPLIT = 0.06  # roots further apart, as a share of the frequency, are no halves
+BETTER_KNOWN = (
+    0.25  # largest standard deviation of the mean over that of each root: their errors are opposite
+)
+
+
+def _joined(
+    influence: Influence, row: int, s: ComplexArray, share: FloatArray, std: FloatArray
+) -> tuple[ComplexArray, FloatArray, FloatArray, FloatArray, NDArray[np.int64]]:
+    """Zeros with those that are not told apart as one: dominance, std and split in Hz, number of roots."""
+    from scipy.sparse.csgraph import connected_components  # slow to import
+
+    half = (s[:, None] - s) / 2.0
+    left = -(half**2).real
+    of_left = 2.0 * np.abs(half) * np.sqrt((std[:, None] ** 2 + std**2) / 2.0) * (2 * np.pi)
+    near = 2.0 * np.abs(half) <= WIDEST_SPLIT * np.abs(s)
+    damped = (SECOND * (s[:, None] + s).real / 2.0) ** 2
+    one = near & near.T & (np.abs(left) <= np.maximum(APART * of_left, damped))
+    clusters, label = connected_components(one, directed=False)
+    member = label == np.arange(clusters)[:, None]
+    member = member[member.sum(axis=1) > 1]
+    means = member / member.sum(axis=1, keepdims=True)
+    known = influence.standard_deviations(row, s, means) if len(member) else np.empty(0)
+    double = known <= BETTER_KNOWN * np.where(member, std, np.inf).min(axis=1, initial=np.inf)
+    member, means, known = member[double], means[double], known[double]
+    largest = np.where(member, share, 0.0).max(axis=1, initial=0.0)
+    both = member[:, :, None] & member[:, None, :]
+    split = np.sqrt(np.where(both, left, 0.0).max(axis=(1, 2), initial=0.0)) / (2 * np.pi)
+    alone = ~member.any(axis=0)
+    return (
+        np.concatenate([s[alone], means @ s]),
+        np.concatenate([share[alone], largest]),
+        np.concatenate([std[alone], known]),
+        np.concatenate([np.zeros(alone.sum()), split]),
+        np.concatenate([np.ones(alone.sum(), dtype=np.int64), member.sum(axis=1)]),
+    )
+
+
+def _credible(
+    s: ComplexArray, zeros: ResponseTable, stays: Any, others: list[ComplexArray], nearly: float
+) -> Any:
     """Which zeros may be accepted: at once, or because they stay, most higher orders having them too."""
     # With fewer than two others nothing can be told of what all rows share: the higher orders decide.
     unknown = len(others) < 2
-    near = np.zeros(s.size, dtype=bool) if unknown else shared(s, others, NEARLY_SHARED)
+    near = np.zeros(s.size, dtype=bool) if unknown else shared(s, others, nearly)
     hardly_damped = ~near & (zeros.dominance >= RIGHT_DOMINANCE) & (stays | (not unknown))
     damped = stays | ~(near | unknown | (zeros.dominance < WEAK))
     return np.where(zeros.damping_ratio < LEAST_DAMPING, hardly_damped, damped)
@@ -219,6 +286,7 @@ def _table(
     s: ComplexArray,
     dominance: FloatArray,
     std_hz: FloatArray,
+    count: NDArray[np.int64],
     seen: list[list[float]],
     stays: Any,
     chains: ResponseTable,
@@ -245,5 +313,9 @@ def _table(
         rows=rows,
         spread=spread,
         dominance=dominance,
-        how=np.where(chain >= 0, "chain", np.where(stays, "persistent", "likeliest order")),
+        how=np.where(
+            count > 1,
+            "double root",
+            np.where(chain >= 0, "chain", np.where(stays, "persistent", "likeliest order")),
+        ),
     )
