@@ -187,7 +187,8 @@ def test_curves_measured_one_force_after_the_other(kind):
 def test_records_of_one_force_after_the_other(hits):
     """Pooled, their spectra have the rank of their number."""
     one = hit if hits else (lambda place, seed: record_of(CHAIN, (place,), 120.0, 0.01, seed))
-    found = quiet([one(place, seed) for seed, place in enumerate((0, 4, 4, 0)[: 4 if hits else 2])], [0, 4])
+    places = (0, 4) * 4 if hits else (0, 4)
+    found = quiet([one(place, seed) for seed, place in enumerate(places)], [0, 4])
     said = verdict(found, STIFFNESS, MASS, BAND)
     assert said.found >= 66
     assert said.false <= 1
