@@ -170,6 +170,18 @@ def frfs(place, freq_hz, kind):
     return ar.FrequencyResponse(freq_hz, values / values[2], kind="transmissibility", reference=2)
 
 
+def hit(place, seed):
+    """A tap, and what follows it in 20 s."""
+    fs_hz, count = 400.0, 8192
+    freq_hz, pulse = np.fft.rfftfreq(count, 1.0 / fs_hz), np.zeros(count)
+    pulse[400:403] = 0.5, 1.0, 0.5
+    values = np.zeros((8, freq_hz.size), dtype=complex)
+    values[:, 1:] = CHAIN.frf(list(range(8)), place, freq_hz[1:], damping_ratio=0.01)
+    x = np.fft.irfft(values * np.fft.rfft(pulse), count)
+    noise = np.random.default_rng(seed).standard_normal(x.shape)
+    return ar.Recording(x + 0.01 * x.std(axis=1, keepdims=True) * noise, fs_hz, force=pulse)
+
+
 @pytest.mark.parametrize("kind", ["frf", "transmissibility"])
 def test_curves_measured_one_force_after_the_other(kind):
     freq_hz = np.arange(1, 1200) * 0.125
@@ -180,6 +192,18 @@ def test_curves_measured_one_force_after_the_other(kind):
     assert said.false <= 2
     assert found.sees == kind
     assert found.channels == tuple(range(8))
+
+
+@pytest.mark.parametrize("hits", [False, True])
+def test_records_of_one_force_after_the_other(hits):
+    """Pooled, their spectra have the rank of their number."""
+    one = hit if hits else (lambda place, seed: record_of(CHAIN, (place,), 120.0, 0.01, seed))
+    places = (0, 4) * 4 if hits else (0, 4)
+    found = quiet([one(place, seed) for seed, place in enumerate(places)], [0, 4])
+    said = verdict(found, STIFFNESS, MASS, BAND)
+    assert said.found >= 66
+    assert said.false <= 1
+    assert np.median(np.abs(said.off)) < 3e-4
 
 
 # -- How many act

@@ -68,6 +68,11 @@ FOUND = {
     "plot_stabilization": lambda n: abs(n["zeros"][0] - 12.23).min() > 1.0 and 12.0 in n["edited"][0],
     "plot_own_matrices": lambda n: n["damage"].damaged == [6],
     "plot_frame_model": lambda n: abs(n["result"].x - [0.0018, 0.9, 3.0]).max() < 1e-3,
+    "plot_two_forces": lambda n: (
+        abs(n["result"].x - [0.95, 1.06, 0.92, 1.04]).max() < 0.005
+        and n["damage"].damaged == [7]
+        and abs(n["damage"].severity[7] - 0.2) < 0.03
+    ),
     "plot_two_objectives": lambda n: all(d.damaged == [4] for d in n["damages"].values()),
     "plot_optimizer": lambda n: n["result"].fun < 1e-2,
     "plot_uncertainty": lambda n: n["problem"].weights.min() < 0.6,

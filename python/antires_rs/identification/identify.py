@@ -326,8 +326,9 @@ def identify_antiresonances(
     nothing explains are ``.unexplained_hz``.
 
     Of r unknown forces the antiresonances of order r are identified, by sets of r responses
-    (``identification/minors.py``), from records of all forces at once, or from a list of r
-    responses, one measured with each force. ``options["silent"]`` names sets whose minor is not above noise;
+    (``identification/minors.py``): from records of all forces at once; from a list of records or hits of one
+    force each, of about one level; or from a list of r FRFs or transmissibilities, one measured with each
+    force. ``options["silent"]`` names sets whose minor is not above noise;
     values where fewer than r forces stand above noise are left out. A number of forces that the data check
     finds to be another leaves no value above "weak".
 

@@ -21,6 +21,8 @@ from ..support.checks import BoolArray, ComplexArray, FloatArray, IntArray, fini
 from ..updating.targets import antiresonance_objective
 
 _MARGIN = 1.5  # the core looks so far beyond the highest measured value
+#: A minor is zero if at these parts of the band it is less than such a share of the product of its rows.
+_WHERE_ZERO, _ZERO = np.array([0.31, 0.57, 0.83, 0.97]), 1e-9
 
 
 @dataclass(frozen=True)
@@ -35,14 +37,26 @@ class Layout:
     #: The model with more than it was built with, where its roots are to be those of this.
     base: Joined | None = None
 
-    @property
+    @cached_property
     def responses(self) -> tuple[End, ...]:
-        """What values belong to: the sensors; of r forces at once sets of r sensors, some of very many."""
-        r = len(members(self.force))
+        """What values belong to: the sensors; of r forces at once sets of r sensors, some of very many.
+
+        Those whose minor is zero, as the forces reach them through fewer than r paths, show nothing, not even
+        that they lack a root of all others.
+        """
         if isinstance(self.force, int):
             return self.sensors
-        every = list(combinations(self.sensors, r))
-        return tuple(every[:: -(-len(every) // MOST_SETS)]) if every else ()
+        every = list(combinations(range(len(self.sensors)), len(self.force)))
+        some = np.array(every[:: max(-(-len(every) // MOST_SETS), 1)], dtype=np.intp)
+        low, high = self.band_hz
+        freq = low + (high - low) * _WHERE_ZERO
+        h = [self.model.frf(self.sensors, k, freq, damping_ratio=0.0) for k in self.force]
+        own = np.stack(h, axis=-1)[some].swapaxes(1, 2)  # (n_sets, n_freq, r, r)
+        size = np.prod(np.linalg.norm(own, axis=3), axis=2)
+        loud = (np.abs(np.linalg.det(own)) > _ZERO * size).any(axis=1)
+        return tuple(
+            tuple(self.sensors[at] for at in one) for one in some[loud if loud.any() else slice(None)]
+        )
 
     def roots(self, parameters: Sequence[Parameter], high_hz: float, sees: Any = None) -> _core.Objective:
         """The core's objective of the responses, for its roots up to ``high_hz`` (and none of its values)."""

@@ -33,7 +33,7 @@ from ..support.values import Value
 
 FOUND, FALSE = 0.8, 0.2  # chance that a root is found; false values a response
 REACH = 3.0  # errors of the model beyond which a value is no root's
-MOST_SETS = 5_000  # of places that are tried
+_MOST_PLACES = 5_000  # of places that are tried
 PRINTED = 10
 
 
@@ -217,9 +217,9 @@ def _sets(model: StructuralModel, places: Any, rows: Sequence[Any], order: int) 
     if any(shape_of(one) != () for one in given):
         sets = [one if shape_of(one) != () else (one,) for one in given]
     else:
-        if len(given) < order or comb(len(given), order) > MOST_SETS:
+        if len(given) < order or comb(len(given), order) > _MOST_PLACES:
             got = f"{len(given)} places for {order} force{'s' * (order > 1)}"
-            reject("places", got, f"{wanted}; at most {MOST_SETS} sets", "Give other places, or the sets.")
+            reject("places", got, f"{wanted}; at most {_MOST_PLACES} sets", "Give other places, or the sets.")
         sets = list(combinations(given, order))
     numbers: list[Any] = []
     for nth, own in enumerate(sets):

@@ -195,38 +195,42 @@ impl Model {
     /// Whether dofs `i` and `k` are joined by any chain of stiffness or mass entries. If not, H_ik is
     /// identically zero.
     pub fn connected(&self, i: usize, k: usize) -> bool {
-        connected(&self.stiffness, &self.mass, i, k)
+        joins(&self.stiffness, &self.mass, &[i], &[k])
     }
 }
 
-/// Whether every part of the structure has as many of the responses as of the forces: else det H[I, J] is zero.
+/// Whether every part of the structure has as many of the responses as of the forces: else det H[I, J] is zero. Parts
+/// are held together by non-zero entries of K or M.
 pub fn joins(stiffness: &SparseMatrix, mass: &SparseMatrix, responses: &[usize], forces: &[usize]) -> bool {
-    responses.iter().all(|&i| {
-        let of_part = |dofs: &[usize]| dofs.iter().filter(|&&d| connected(stiffness, mass, i, d)).count();
-        of_part(responses) == of_part(forces)
-    })
-}
-
-/// Whether a path of non-zero entries of K or M joins `i` to `k`.
-pub fn connected(stiffness: &SparseMatrix, mass: &SparseMatrix, i: usize, k: usize) -> bool {
     let pattern = stiffness.pattern();
     let mut seen = vec![false; stiffness.n()];
-    let mut pending = vec![i];
-    seen[i] = true;
-    while let Some(dof) = pending.pop() {
-        if dof == k {
-            return true;
+    let (mut pending, mut missing) = (Vec::new(), responses.len() + forces.len());
+    for &i in responses {
+        if !std::mem::replace(&mut seen[i], true) {
+            pending.push(i);
         }
-        let first = pattern.starts()[dof];
-        for (at, &other) in (first..).zip(pattern.column(dof)) {
-            let other = other as usize;
-            if !seen[other] && (stiffness.values[at] != 0.0 || mass.values[at] != 0.0) {
-                seen[other] = true;
-                pending.push(other);
+        let (mut own, mut theirs) = (0, 0);
+        while let Some(dof) = pending.pop() {
+            own += usize::from(responses.contains(&dof));
+            theirs += usize::from(forces.contains(&dof));
+            if own + theirs == missing {
+                return own == theirs;
+            }
+            let first = pattern.starts()[dof];
+            for (at, &other) in (first..).zip(pattern.column(dof)) {
+                let other = other as usize;
+                if !seen[other] && (stiffness.values[at] != 0.0 || mass.values[at] != 0.0) {
+                    seen[other] = true;
+                    pending.push(other);
+                }
             }
         }
+        if own != theirs {
+            return false;
+        }
+        missing -= own + theirs;
     }
-    false
+    true
 }
 
 /// The entries of a square matrix of `n` rows that are not zero.

@@ -481,11 +481,15 @@ pub fn pseudo_random() -> impl FnMut() -> f64 {
 }
 
 /// Takes from w its part in the vectors V, with `weighted` = M V and VᵀMV = I.
-struct ProjectOut<'a> {
-    w: &'a mut [f64],
-    weighted: &'a [f64],
-    vectors: &'a [f64],
-    coefficients: &'a mut Vec<f64>,
+pub struct ProjectOut<'a> {
+    /// w.
+    pub w: &'a mut [f64],
+    /// M V, vector after vector.
+    pub weighted: &'a [f64],
+    /// V.
+    pub vectors: &'a [f64],
+    /// VᵀMw, as found.
+    pub coefficients: &'a mut Vec<f64>,
 }
 
 impl NullaryFnOnce for ProjectOut<'_> {

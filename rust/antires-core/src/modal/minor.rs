@@ -217,6 +217,13 @@ impl Small {
         free.map(|c| self.a[row][c].abs() * self.expanded(row + 1, taken | 1 << c)).sum()
     }
 
+    /// γᵀ adj(A) ψ of two rows with sign −1; with sign 1, of what is not negative, the sum of all its products.
+    fn of_two(&self, psi: &Each, gamma: &Each, sign: f64) -> f64 {
+        let a = &self.a;
+        gamma[0] * (a[1][1] * psi[0] + sign * a[0][1] * psi[1])
+            + gamma[1] * (a[0][0] * psi[1] + sign * a[1][0] * psi[0])
+    }
+
     /// bᵀ A c.
     fn form(&self, b: &[f64], c: &[f64]) -> f64 {
         (0..self.n).map(|i| b[i] * (0..self.n).map(|j| self.a[i][j] * c[j]).sum::<f64>()).sum()
@@ -598,10 +605,10 @@ impl MinorSeries {
                 (0..r).for_each(|j| size[j] = size[j].max(each[j].abs()));
             }
         }
-        let (mut residues, mut errors) = (Vec::new(), Vec::new());
+        let q = self.lambda.len();
+        let (mut residues, mut errors) = (Vec::with_capacity(q), Vec::with_capacity(q));
         let mut is_zero = true;
         self.form_gaps();
-        let q = self.lambda.len();
         let pairs: Vec<(usize, usize)> = (0..r).flat_map(|i| (0..r).map(move |k| (i, k))).collect();
         let product = |&(i, k): &(usize, usize)| -> Vec<f64> {
             self.psi.iter().zip(&self.gamma).map(|(psi, gamma)| psi[i] * gamma[k]).collect()
@@ -614,8 +621,13 @@ impl MinorSeries {
                 g.a[i][k] = value + self.constant[i][k];
                 size.a[i][k] = moduli + self.constant[i][k].abs();
             }
-            let residue = -g.bordered(&self.psi[m], &self.gamma[m]).determinant();
-            let error = unit * size.bordered(&sizes[0], &sizes[1]).permanent();
+            let (psi, gamma) = (&self.psi[m], &self.gamma[m]);
+            let (residue, moduli) = if r == 2 {
+                (g.of_two(psi, gamma, -1.0), size.of_two(&sizes[0], &sizes[1], 1.0))
+            } else {
+                (-g.bordered(psi, gamma).determinant(), size.bordered(&sizes[0], &sizes[1]).permanent())
+            };
+            let error = unit * moduli;
             is_zero &= residue.abs() <= error;
             residues.push(residue);
             errors.push(error);

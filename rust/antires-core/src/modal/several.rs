@@ -13,8 +13,9 @@
 
 use super::minor::{Each, MinorSeries};
 use super::scaled::ScaledMatrices;
+use crate::linalg::krylov::ProjectOut;
 use crate::linalg::symmetric::SmallSymmetric;
-use crate::linalg::wide::{dot, subtract};
+use crate::linalg::wide::{self, dot};
 
 /// What is left of the response, relative to all of it, when the space is large enough; and at which parts of s.
 const NEGLIGIBLE: f64 = 1e-16;
@@ -50,8 +51,9 @@ pub(super) struct SeveralForces {
     weighted: Vec<f64>,
     t: Vec<Vec<f64>>,
     small: SmallSymmetric,
-    /// λ, y_jᵀg_k / θ_j and the place of y_j of the poles, and λ of the modes that no force moves.
-    poles: Vec<(f64, Each, usize)>,
+    /// λ and y_jᵀg_k / θ_j of the poles, y_j of all of them row by row, and λ of the modes that no force moves.
+    poles: Vec<(f64, Each)>,
+    ways: Vec<f64>,
     hidden: Vec<f64>,
 }
 
@@ -68,6 +70,10 @@ impl SeveralForces {
         (self.n, self.stride, self.sigma, self.limit) = (matrices.n(), matrices.stride(), sigma, limit);
         for memory in [&mut self.columns, &mut self.basis, &mut self.weighted] {
             memory.clear();
+        }
+        // What is mostly enough.
+        for memory in [&mut self.basis, &mut self.weighted] {
+            memory.reserve(self.stride * (2 * modes.len() + 8 * rows.len()));
         }
         self.start.clear();
         self.t.clear();
@@ -114,13 +120,15 @@ impl SeveralForces {
         let count = self.basis.len() / stride;
         let mut coefficients = vec![0.0; count];
         let before = dot(w, w);
+        let mut parts = Vec::with_capacity(count + 1);
         for _ in 0..2 {
-            let pairs = self.basis.chunks_exact(stride).zip(self.weighted.chunks_exact(stride));
-            for ((q, mq), coefficient) in pairs.zip(&mut coefficients) {
-                let part = dot(w, mq);
-                subtract(w, part, q);
-                *coefficient += part;
-            }
+            wide::run(ProjectOut {
+                w,
+                weighted: &self.weighted,
+                vectors: &self.basis,
+                coefficients: &mut parts,
+            });
+            coefficients.iter_mut().zip(&parts).for_each(|(all, part)| *all += part);
         }
         let mut weighted = vec![0.0; stride];
         matrices.mass().multiply(w, &mut weighted);
@@ -152,11 +160,13 @@ impl SeveralForces {
         let mut worst = 0.0_f64;
         let (mut l, mut d) = (vec![0.0; p * p], vec![0.0; p]);
         for s in SAMPLES.map(|c| c * (self.limit + self.sigma)) {
-            // 1 − sT = L D Lᵀ; a pivot that happens to be small makes the error too large, if anything.
+            // 1 − sT = L D Lᵀ, with as many entries beside the diagonal as there are forces, all others rounding; a
+            // pivot that happens to be small makes the error too large, if anything.
+            let band = |i: usize| i.saturating_sub(sizes.len());
             for i in 0..p {
-                for j in 0..=i {
+                for j in band(i)..=i {
                     let own = f64::from(u8::from(i == j)) - s * Self::entry(&self.t[i], j);
-                    let done: f64 = (0..j).map(|c| l[i * p + c] * l[j * p + c] * d[c]).sum();
+                    let done: f64 = (band(i)..j).map(|c| l[i * p + c] * l[j * p + c] * d[c]).sum();
                     if i == j {
                         d[i] = own - done;
                     } else {
@@ -167,11 +177,11 @@ impl SeveralForces {
             for (g, size) in self.start.iter().zip(sizes) {
                 let mut y: Vec<f64> = (0..p).map(|i| Self::entry(g, i)).collect();
                 for i in 0..p {
-                    y[i] -= (0..i).map(|c| l[i * p + c] * y[c]).sum::<f64>();
+                    y[i] -= (band(i)..i).map(|c| l[i * p + c] * y[c]).sum::<f64>();
                 }
                 (0..p).for_each(|i| y[i] /= d[i]);
                 for i in (0..p).rev() {
-                    y[i] -= (i + 1..p).map(|r| l[r * p + i] * y[r]).sum::<f64>();
+                    y[i] -= (i + 1..p.min(i + 1 + sizes.len())).map(|r| l[r * p + i] * y[r]).sum::<f64>();
                 }
                 let left = s * s * self.left_over(p, &y) / size;
                 worst = if left.is_nan() { f64::INFINITY } else { worst.max(left) };
@@ -192,6 +202,7 @@ impl SeveralForces {
     /// Takes over the poles; false where one up to the limit is neither a mode nor rounding.
     fn tell_modes(&mut self, p: usize, forces: usize, modes: &[f64]) -> bool {
         self.poles.clear();
+        let mut places = Vec::new();
         self.hidden = modes.to_vec();
         let theta = |j: usize| self.small.pair(j).0;
         let stiffest = if p > 0 { TOO_STIFF * theta(p - 1) } else { 0.0 };
@@ -231,7 +242,12 @@ impl SeveralForces {
                     continue;
                 }
             }
-            self.poles.push((lambda, gamma, j));
+            self.poles.push((lambda, gamma));
+            places.push(j);
+        }
+        self.ways.clear();
+        for q in 0..p {
+            self.ways.extend(places.iter().map(|&j| self.small.pair(j).1[q]));
         }
         true
     }
@@ -245,14 +261,17 @@ impl SeveralForces {
             }
         }
         let mut parts: Vec<(f64, Each, Each)> = Vec::new();
-        for &(lambda, gamma, j) in &self.poles {
-            let y = self.small.pair(j).1;
-            let mut psi = Each::default();
-            for (i, &row) in rows.iter().enumerate() {
-                psi[i] = y.iter().enumerate().map(|(q, y)| y * self.basis[q * self.stride + row]).sum();
+        let mut psi = vec![Each::default(); self.poles.len()];
+        let mut sums = vec![0.0; psi.len()];
+        for (i, &row) in rows.iter().enumerate() {
+            sums.fill(0.0);
+            let basis = self.basis.iter().skip(row).step_by(self.stride);
+            for (q, ways) in basis.zip(self.ways.chunks_exact(psi.len().max(1))) {
+                sums.iter_mut().zip(ways).for_each(|(sum, y)| *sum += y * q);
             }
-            parts.push((lambda, psi, gamma));
+            psi.iter_mut().zip(&sums).for_each(|(psi, sum)| psi[i] = *sum);
         }
+        parts.extend(self.poles.iter().zip(psi).map(|(&(lambda, gamma), psi)| (lambda, psi, gamma)));
         parts.extend(self.hidden.iter().map(|&lambda| (lambda, Each::default(), Each::default())));
         for part in &mut parts {
             part.0 = if part.0.abs() <= zero { 0.0 } else { part.0 };
