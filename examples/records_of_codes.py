@@ -5,8 +5,10 @@ computes for a structure which differs from the model in its mesh, its moduli an
 """
 
 import subprocess
+import time
 from collections.abc import Mapping
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 
@@ -31,11 +33,10 @@ def calculix_modes(text: str, sensors: Sensors, folder: Path, n_modes: int) -> a
 
 
 def record_of(
-    modes: ar.ModalSet, force: str, seed: int, duration_s: float, top: int, damping: float = 0.005
+    modes: ar.ModalSet, force: str, seed: int, duration_s: float, fs_hz: float, damping: float = 0.005
 ) -> ar.Recording:
-    """Accelerations under a random force at one sensor: modes superposed, 1 % noise; up to mode ``top``."""
+    """Accelerations under a random force at one sensor: modes superposed, and 1 % noise."""
     rng = np.random.default_rng(seed)
-    fs_hz = 2.56 * 1.2 * float(modes.freq_hz[top])
     n = int(duration_s * fs_hz)
     omega, own = 2.0 * np.pi * np.fft.rfftfreq(n, 1.0 / fs_hz), 2.0 * np.pi * modes.freq_hz
     spectrum = -(omega**2) * np.fft.rfft(rng.standard_normal(n))
@@ -46,3 +47,30 @@ def record_of(
     accelerations = np.fft.irfft(responses, n)
     noise = 0.01 * accelerations.std(axis=1, keepdims=True) * rng.standard_normal(accelerations.shape)
     return ar.Recording(accelerations + noise, fs_hz, dofs=list(modes.dofs))
+
+
+def identified(case: ModuleType, dofs: Mapping[str, int], record: ar.Recording) -> ar.AntiresonanceSet:
+    """Antiresonances of a record, at the dofs of the model."""
+    found = ar.identify_antiresonances(record, excitation=case.FORCE, band_hz=case.BAND_HZ)
+    return found.relabelled(dofs[case.FORCE], dofs)
+
+
+def prepared(case: ModuleType, folder: Path) -> tuple[ar.UpdateResult, dict[str, int], ar.AntiresonanceSet]:
+    """The model, updated with a record of the intact structure; its dofs; and what that record gave."""
+    folder.mkdir(parents=True, exist_ok=True)
+    model, dofs = case.model(folder)
+    intact = identified(case, dofs, case.record(folder, {}, 0))
+    return ar.update(ar.UpdatingProblem(model, case.parameters(), intact), rng=0), dofs, intact
+
+
+def study(case: ModuleType, folder: Path, damage: Mapping[str, float]) -> ar.DamageResult:
+    """One damage of a case, from the input of the code to the report."""
+    begun = time.perf_counter()
+    updated, dofs, intact = prepared(case, folder)
+    print(updated)
+    now = identified(case, dofs, case.record(folder, damage, 1))
+    result = ar.assess_damage(updated.model, now, baseline=intact, elements=case.CANDIDATES)
+    print(result.headline)
+    result.report(folder / "report.html")
+    print(f"{time.perf_counter() - begun:.0f} s from the input of the code to {folder / 'report.html'}")
+    return result

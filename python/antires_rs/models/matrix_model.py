@@ -224,9 +224,18 @@ class MatrixModel(StructuralModel, Viewed):
     def default_elements(self) -> list[int]:
         """Stiffness terms of which the equations leave something; of groups those of linear ones."""
         given, left = self._recipe.stiffness_terms, self._independent.matrices.stiffness_terms
-        powers = {i for group in self._recipe.groups if not group.linear for i, _ in group.stiffness_powers}
         kept = [i for i, term in enumerate(left) if term.values.size or term is given[i]]
+        powers = self._of_polynomials("stiffness_powers")
         return [i for i in kept if i not in powers]
+
+    @property
+    def _masses(self) -> list[int]:
+        """Those of polynomials move together: one alone would leave an indefinite mass."""
+        powers = self._of_polynomials("mass_powers")
+        return [i for i in super()._masses if i not in powers]
+
+    def _of_polynomials(self, side: str) -> set[int]:
+        return {i for each in self._recipe.groups if not each.linear for i, _ in getattr(each, side)}
 
     @property
     def _free_dofs(self) -> list[int]:
