@@ -35,7 +35,7 @@ DAMAGED = {
 def main(names):
     """Prints a row for each record, and the sums."""
     warnings.simplefilter("ignore")
-    right = sized = false = of = 0
+    first = alone = sized = false = of = 0
     for name in names:
         case, begun = importlib.import_module(name), time.perf_counter()
         with tempfile.TemporaryDirectory() as folder:
@@ -46,18 +46,23 @@ def main(names):
                 found = ar.assess_damage(updated.model, now, baseline=intact, elements=case.CANDIDATES)
                 if seed == 1:
                     found.report(Path(folder) / "report.html")
-                    took = time.perf_counter() - begun
-                    print(f"{name}: {updated.model.n_dof} dofs; from input to report {took:.0f} s", flush=True)
+                    took = f"from input to report {time.perf_counter() - begun:.0f} s"
+                    print(f"{name}: {updated.model.n_dof} dofs; {took}", flush=True)
                 print(f"  {damage or 'intact'}: {found.headline}", flush=True)
                 if not damage:
-                    false += found.assessment.declared
+                    false += bool(found.assessment.declared)
                     continue
                 ((group, left),) = damage.items()
                 at = updated.model.element(group)
                 low, high = found.interval[at]
                 near = abs(found.severity[at] - 1.0 + left) <= 0.03 or low <= 1.0 - left <= high
-                right, sized, of = right + (found.damaged == [at]), sized + near, of + 1
-    print(f"group right {right} of {of}, severity {sized} of {of}, false alarms {false} of {of}")
+                first, alone = first + (found.damaged[:1] == [at]), alone + (found.damaged == [at])
+                sized, of = sized + near, of + 1
+    print(
+        f"of {of} damages and {of} intact: group right {first}, named alone {alone}, severity {sized}, ",
+        end="",
+    )
+    print(f"false alarms {false}")
 
 
 if __name__ == "__main__":

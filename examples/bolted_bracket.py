@@ -2,8 +2,9 @@
 
 An angle of steel stands on four washers. The input file is written here (in a workshop it comes from the
 mesher), CalculiX gives the model with a group for each washer and each leg, and both records: one intact, one
-with a washer that has lost 40 % of its stiffness. The bracket that is measured has a modulus 2 % higher and washers
-up to 10 % off. Records are superpositions of the modes that CalculiX computes, with 0.5 % damping and 1 % noise.
+with a washer that has lost 40 % of its stiffness. The bracket that is measured has a modulus 2 % higher and
+washers up to 10 % off. Records are superpositions of the modes that CalculiX computes, with 0.5 % damping
+and 1 % noise.
 
 Run: ``python examples/bolted_bracket.py [FOLDER]``; needs CalculiX (``ccx`` on the path).
 """
@@ -70,10 +71,14 @@ def bracket(moduli: Mapping[str, float] | None = None) -> tuple[str, dict[str, t
         "top right": (x[-1], -THICKNESS_M, top),
         "mid left": (x[0], -THICKNESS_M, middle),
         "mid right": (x[-1], -THICKNESS_M, middle),
+        "foot left": (x[0], along[ny // 2], high),
+        "foot right": (x[-1], along[ny // 2], high),
         "toe left": (x[0], along[-1], high),
         "toe right": (x[-1], along[-1], high),
     }
-    sensors = {name: (node(*place), 3 if name.startswith("toe") else 2) for name, place in at.items()}
+    sensors = {
+        name: (node(*place), 3 if name.startswith(("foot", "toe")) else 2) for name, place in at.items()
+    }
     return "\n".join(lines) + "\n", sensors
 
 

@@ -1,7 +1,7 @@
-"""What the worked cases of finite-element codes share: records made of the modes of a code, and what is found.
+"""What the worked cases of finite-element codes share: records of the modes of a code, and the study.
 
 Nothing of a record comes from the model that is fitted: frequencies and shapes are those that the code itself
-computes for a structure which differs from the model in its mesh, its moduli and its masses.
+computes for a structure which differs from the model in its moduli, its masses and sometimes its mesh.
 """
 
 import subprocess
@@ -26,9 +26,7 @@ def calculix_modes(text: str, sensors: Sensors, folder: Path, n_modes: int) -> a
     rows = [line.split() for line in (folder / "modes.dat").read_text().splitlines()]
     hz = [float(row[3]) for row in rows if len(row) == 5 and row[0].isdigit()][:n_modes]
     moved = [row for row in rows if len(row) == 4 and row[0].isdigit()]
-    shapes = [
-        [float(row[axis]) for row in moved if int(row[0]) == node] for node, axis in sensors.values()
-    ]
+    shapes = [[float(row[axis]) for row in moved if int(row[0]) == node] for node, axis in sensors.values()]
     return ar.ModalSet(hz, np.transpose(shapes), dofs=list(sensors))
 
 
@@ -41,7 +39,9 @@ def record_of(
     omega, own = 2.0 * np.pi * np.fft.rfftfreq(n, 1.0 / fs_hz), 2.0 * np.pi * modes.freq_hz
     spectrum = -(omega**2) * np.fft.rfft(rng.standard_normal(n))
     responses = np.zeros((len(modes.dofs), omega.size), dtype=complex)
-    for rad_s, shape, drive in zip(own, modes.shapes, modes.shapes[:, list(modes.dofs).index(force)], strict=True):
+    for rad_s, shape, drive in zip(
+        own, modes.shapes, modes.shapes[:, list(modes.dofs).index(force)], strict=True
+    ):
         receptance = drive / (rad_s**2 - omega**2 + 2j * damping * rad_s * omega)
         responses += np.outer(shape, receptance * spectrum)
     accelerations = np.fft.irfft(responses, n)

@@ -1,9 +1,9 @@
 """A ribbed plate of shells from its CalculiX input to a damage report: which rib has cracked?
 
-A steel deck on a clamped edge with four ribs. The plate that is measured, calculated by CalculiX too, differs from
-the input: its ribs are up to 6 % softer or stiffer, its skin is 2 % thicker. The thickness is known by a gauge,
-a group of the model, and set before anything is fitted; the ribs are updated with the first record. Records are
-superpositions of modes, with 0.5 % damping and 1 % noise.
+A steel deck on a clamped edge with four ribs. The plate that is measured, calculated by CalculiX too, differs
+from the input: its ribs are up to 6 % softer or stiffer, its skin is 2 % thicker. The thickness is known by a
+gauge, a group of the model, and set before anything is fitted; the ribs are updated with the first record.
+Records are superpositions of modes, with 0.5 % damping and 1 % noise.
 
 Run: ``python examples/ribbed_plate.py [FOLDER]``; needs CalculiX (``ccx`` on the path).
 """
@@ -62,7 +62,10 @@ def plate(
     for name in sets:
         modulus = 2.1e11 * (moduli or {}).get(name, 1.0)
         lines += [f"*MATERIAL, NAME=M{name}", "*ELASTIC", f"{modulus!r}, 0.3", "*DENSITY", "7850."]
-        lines += [f"*SHELL SECTION, ELSET={name}, MATERIAL=M{name}", repr(skin_m if name == "SKIN" else RIB_M)]
+        lines += [
+            f"*SHELL SECTION, ELSET={name}, MATERIAL=M{name}",
+            repr(skin_m if name == "SKIN" else RIB_M),
+        ]
     lines += ["*BOUNDARY", *(f"{n}, 1, 6" for place, n in numbers.items() if place[0] == 0.0)]
     sensors = {name: (node(i * dx, j * dy, 0.0), 3) for name, (i, j) in SENSORS_AT.items()}
     return "\n".join(lines) + "\n", sensors

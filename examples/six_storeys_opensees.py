@@ -1,6 +1,6 @@
-"""Six storeys of reinforced concrete on a rigid foundation, for OpenSeesPy: the script that an engineer has.
+"""Six storeys of reinforced concrete on rigid ground, for OpenSeesPy: the script that an engineer has.
 
-Columns of each storey in two rows, west and east; floors are rigid diaphragms, with their mass off the middle.
+Columns of each storey in two rows, west and east; floors are rigid diaphragms, their mass off the middle.
 """
 
 import openseespy.opensees as ops
@@ -33,13 +33,19 @@ def build(
             width, depth = (0.35, 0.40) if x == 0.0 else (0.35, 0.30)
             area, inertias = width * depth, (width * depth**3 / 12, depth * width**3 / 12)
             column = (area, e, e / 2.4, 2.0e-3, *inertias, 1, "-mass", 2500.0 * area, "-cMass")
-            ends = [10 * floor - 10 + nth, *(1000 * floor + 10 * nth + p for p in range(1, parts)), 10 * floor + nth]
+            ends = [
+                10 * floor - 10 + nth,
+                *(1000 * floor + 10 * nth + p for p in range(1, parts)),
+                10 * floor + nth,
+            ]
             for p in range(1, parts):
                 ops.node(ends[p], x, y, HEIGHT_M * (floor - 1 + p / parts))
             for p in range(parts):
                 ops.element("elasticBeamColumn", 1000 * p + 10 * floor + nth, *ends[p : p + 2], *column)
             beam = (0.12, beams, beams / 2.4, 1.5e-3, 1.6e-3, 9.0e-4, 2, "-mass", 300.0, "-cMass")
-            ops.element("elasticBeamColumn", 100 + 10 * floor + nth, 10 * floor + nth, 10 * floor + nth % 4 + 1, *beam)
+            ops.element(
+                "elasticBeamColumn", 100 + 10 * floor + nth, 10 * floor + nth, 10 * floor + nth % 4 + 1, *beam
+            )
         ops.node(100 + floor, 3.4, 2.0, HEIGHT_M * floor)
         ops.mass(100 + floor, floor_kg, floor_kg, 0.0, 0.0, 0.0, 5.0 * floor_kg)
         ops.fix(100 + floor, 0, 0, 1, 1, 1, 0)
@@ -51,7 +57,9 @@ def modes(n_modes, sensors, **values):
     build(**values)
     ops.constraints("Transformation")
     squared = ops.eigen("-genBandArpack", n_modes)
-    shapes = [[ops.nodeEigenvector(node, nth, axis) for node, axis in sensors] for nth in range(1, n_modes + 1)]
+    shapes = [
+        [ops.nodeEigenvector(node, nth, axis) for node, axis in sensors] for nth in range(1, n_modes + 1)
+    ]
     return [value**0.5 / 6.283185307179586 for value in squared], shapes
 
 
