@@ -148,7 +148,7 @@ def test_from_file_to_report(tmp_path, capsys):
 
 
 def finds(name, group, loss, tmp_path, monkeypatch, capsys):
-    """A worked case of a code names the damaged group, within 3 points or its interval, in a time it prints."""
+    """A worked case of a code names the damaged group, to 3 points or its interval, and prints the time."""
     monkeypatch.syspath_prepend(str(EXAMPLES))
     case = load(name)
     result = load("records_of_codes").study(case, tmp_path, {group: 1.0 - loss})
