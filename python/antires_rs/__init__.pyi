@@ -20,7 +20,7 @@ from .identification.stabilization import StabilizationDiagram, stabilization
 from .io import (
     MatchedPoints, from_sep005, match_points, read_csv, read_excel, read_frf_files, read_hdf5, read_lvm,
     read_mat, read_matrices, read_miniseed, read_model, read_npz, read_parquet, read_tdms, read_uff, read_wav,
-    to_sep005, write_csv, write_hdf5, write_mat, write_matrices, write_npz, write_uff
+    to_sep005, write_csv, write_hdf5, write_mat, write_matrices, write_model, write_npz, write_uff
 )
 from .measured.antiresonance_set import AntiresonanceSet
 from .measured.compare import Comparison, compare
@@ -81,5 +81,6 @@ __all__ = [
     "read_matrices", "read_miniseed", "read_model", "read_npz", "read_parquet", "read_tdms", "read_uff",
     "read_wav", "stabilization", "stiffness_factor", "stiffness_reduction", "support_stiffness", "thickness",
     "to_sep005", "track", "transmissibility", "transmissibility_sum", "update", "update_ensemble",
-    "write_csv", "write_hdf5", "write_mat", "write_matrices", "write_npz", "write_uff", "youngs_modulus",
+    "write_csv", "write_hdf5", "write_mat", "write_matrices", "write_model", "write_npz", "write_uff",
+    "youngs_modulus",
 ]

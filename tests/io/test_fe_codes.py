@@ -251,6 +251,48 @@ def test_the_command_line_makes_a_model_for_a_job(program, tmp_path, capsys):
     assert "--groups" in capsys.readouterr().err
 
 
+# -- Written back
+
+
+def test_the_input_is_written_with_values_that_were_found(program, tmp_path):
+    source, command = program
+    model = ar.read_model(source, groups=GROUPS, command=command)
+    factors = {"web": 0.9, "skin": 1.25}
+    assert model.group_factors == {"web": 1.0, "skin": 1.0}
+    now = model.with_group_factors({"web": 1.2, "skin": 1.25})
+    now = now.with_parameters(ar.stiffness_reduction("web"), 0.25)
+    assert now.group_factors == pytest.approx(factors, rel=1e-14)
+    written = ar.write_model(tmp_path / "new.dat", source, now, command=command)
+    assert (
+        written.read_text() == f"web {100.0 * now.group_factors['web']!r}\nskin 5.00000e+00\nlog {tmp_path}\n"
+    )
+    refused("another file than the source", ar.write_model, source, source, now, command=command)
+    refused("a MatrixModel with groups", ar.write_model, tmp_path / "a.dat", source, ar.cases.chain8().model)
+    hook = ar.read_model(strip, groups=["e_web"])
+    refused("the function; wanted a file", ar.write_model, tmp_path / "a.dat", strip, hook)
+    bent = now.with_parameters(ar.stiffness_factor(1, bounds=(0.5, 2.0)), 1.1)
+    refused(
+        "terms of 'skin' times 1.375, 1.95", ar.write_model, tmp_path / "a.dat", source, bent, command=command
+    )
+    gone = now.with_parameters(ar.stiffness_reduction("web"), 1.0)
+    refused("above 0, gives to stiffness", lambda: gone.group_factors)
+
+
+def test_the_command_line_writes_the_input_of_a_result(program, tmp_path, capsys):
+    source, command = program
+    model = ar.read_model(source, groups=GROUPS, command=command)
+    true = model.with_group_factors({"web": 0.8})
+    zeros = ar.AntiresonanceSet(0, {0: true.antiresonances(0, 0)})
+    parameters = ar.stiffness_factor(["web"], bounds=(0.5, 1.5))
+    ar.update(ar.UpdatingProblem(model, parameters, zeros), rng=0).save(tmp_path / "result.npz")
+    call = ["model", str(source), "--command", command, "--out", str(tmp_path / "new.dat")]
+    assert antires([*call, "--result", str(tmp_path / "result.npz")]) == 0
+    assert "web  0.8 times its value" in capsys.readouterr().out
+    assert float((tmp_path / "new.dat").read_text().split()[1]) == pytest.approx(80.0, rel=1e-6)
+    assert antires([*call[:-1], str(tmp_path / "new.npz")]) == 2
+    assert "--groups" in capsys.readouterr().err
+
+
 # -- CalculiX: its input, without the code
 
 INPUT = """\
@@ -376,6 +418,22 @@ def test_what_calculix_stores_is_named_by_node_layer_and_knot(tmp_path):
     with pytest.raises(ValueError, match="does not fit the 1 rows"):
         calculix.stored(tmp_path, "m", frozenset({1}))
     assert calculix.errors_in("x *ERROR reading\n *MATERIAL: none") == "*ERROR reading *MATERIAL: none"
+
+
+def test_calculix_input_is_written_with_its_steps(deck, tmp_path):
+    tip = ar.TermGroup("tip", "youngs_modulus", 2.1e11, ((0, 1),), (), np.array([3, 4]))
+    skin = ar.TermGroup("skin", "thickness", 0.002, ((1, 1),), (), np.array([9]))
+    terms = {"tip": np.eye(1), "skin": np.eye(1)}
+    model = ar.MatrixModel(3.0 * np.eye(1), np.eye(1), stiffness_terms=terms, groups=[tip, skin])
+    now = model.with_group_factors({"tip": 0.5})
+    new = ar.write_model(tmp_path / "new.inp", tmp_path / "plate.inp", now)
+    text = new.read_text()
+    assert "105000000000.0, 0.3, 20." in text
+    assert all(each in text for each in ("*STATIC\n", "*CLOAD\n1, 3, -10.\n", "*NODE FILE\nU\n", "\n0.002\n"))
+    again = calculix.Deck(new)
+    assert [again.value("youngs_modulus", [e]) for e in (1, 3, 4)] == [2.1e11, 1.05e11, 1.05e11]
+    (tmp_path / "plate.inp").write_text(INPUT.replace("2.1E+11", "2.0E+11"))
+    refused("'tip'; wanted 210000000000.0, as", ar.write_model, new, tmp_path / "plate.inp", now)
 
 
 def test_groups_of_calculix_share_no_elements(tmp_path, deck, monkeypatch):
@@ -532,6 +590,20 @@ def test_thickness_of_shells_is_a_polynomial(tmp_path):
     )
 
 
+@needs_calculix
+def test_a_run_of_the_input_that_was_written_has_our_frequencies(tmp_path):
+    for text, groups, factors in (
+        (block()[0], {"low": "LOW", "rho": "EALL:density"}, {"low": 0.83, "rho": 1.07}),
+        (block()[0], {"top": "TOP"}, {"top": 0.4}),
+        (ribbed()[0], {"skin": "SKIN:thickness", "rib": "RIB"}, {"skin": 1.13, "rib": 0.7}),
+    ):
+        (tmp_path / "read.inp").write_text(text)
+        now = ar.read_model(tmp_path / "read.inp", groups=groups).with_group_factors(factors)
+        new = ar.write_model(tmp_path / "new.inp", tmp_path / "read.inp", now)
+        own = calculix_hz(new.read_text(), tmp_path, n_modes=5)
+        np.testing.assert_allclose(now.modes(5).freq_hz, own, rtol=1e-6)
+
+
 # -- OpenSeesPy itself: a frame in space with rigid floors
 
 FRAME = """
@@ -643,3 +715,22 @@ def test_elements_and_polynomials_of_opensees(frame):
     refused("has no argument 'e'", ar.read_model, f"{script}:build", groups="e")
     refused('Name the function: "frame.py:build"', ar.read_model, script, groups="depth")
     refused("no function 'made'", ar.read_model, f"{script}:made", groups="depth")
+
+
+@needs_opensees
+def test_a_script_of_opensees_is_written_with_other_defaults(frame, tmp_path):
+    script, own_hz = frame
+    groups = {"columns": "e_columns", "beams": "e_beams"}
+    model = ar.read_model(f"{script}:build", groups={"columns": "e_columns"})
+    now = model.with_parameters(ar.stiffness_factor("columns", bounds=(0.5, 1.5)), 0.87)
+    (tmp_path / "new").mkdir()
+    new = ar.write_model(tmp_path / "new" / "updated.py", f"{script}:build", now)
+    again = ar.read_model(f"{new}:build", groups=groups)
+    assert again.groups["columns"].value == 0.87 * 3.0e10
+    own = own_hz({"e_columns": 0.87 * 3.0e10})[0]
+    np.testing.assert_allclose(again.modes(9).freq_hz, own, rtol=1e-9)
+    np.testing.assert_allclose(now.modes(9).freq_hz, own, rtol=1e-9)
+    assert ar.read_model(new, groups={"storey": [11, 12]}).n_dof == again.n_dof
+    elements = ar.read_model(script, groups={"storey": [11, 12]})
+    halved = elements.with_group_factors({"storey": 0.5})
+    refused("elements of 'storey'", ar.write_model, tmp_path / "a.py", f"{script}:build", halved)

@@ -152,10 +152,29 @@ def test_from_file_to_report(tmp_path, capsys):
     assert len(list((report.parent / "pictures").glob("*.png"))) == 13
 
 
+def finds(name, group, loss, tmp_path, monkeypatch, capsys):
+    """A worked case of a code names the damaged group, to 3 points or its interval, and prints the time."""
+    monkeypatch.syspath_prepend(str(EXAMPLES))
+    case = load(name)
+    result = load("records_of_codes").study(case, tmp_path, {group: 1.0 - loss})
+    element = result.problem.model.element(group)
+    low, high = result.interval[element]
+    assert result.damaged[:1] == [element]
+    assert abs(result.severity[element] - loss) < 0.03 or low <= loss <= high
+    assert "s from the input of the code to" in capsys.readouterr().out
+    assert (tmp_path / "report.html").is_file()
+
+
 @campaign
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not on PATH")
-def test_bolted_bracket(tmp_path):
-    result = load("bolted_bracket").main(tmp_path, cells=5)
-    loss = result.severity[result.problem.model.element("W2")]
-    assert result.headline.startswith("There is damage (probability above 99.9 %): W2 (above 99.9 %)")
-    assert abs(loss - 0.4) < 0.03
+@pytest.mark.parametrize(
+    ("name", "group", "loss"), [("bolted_bracket", "W2", 0.4), ("ribbed_plate", "R2", 0.3)]
+)
+def test_cases_of_calculix(name, group, loss, tmp_path, monkeypatch, capsys):
+    finds(name, group, loss, tmp_path, monkeypatch, capsys)
+
+
+@campaign
+@pytest.mark.skipif(importlib.util.find_spec("openseespy") is None, reason="openseespy is not installed")
+def test_six_storey_frame(tmp_path, monkeypatch, capsys):
+    finds("six_storey_frame", "east_2", 0.3, tmp_path, monkeypatch, capsys)

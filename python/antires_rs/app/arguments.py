@@ -180,7 +180,7 @@ def _everything(model: StructuralModel, on: str) -> list[Any]:
     if on == "elements":
         return list(model.default_elements)
     if on == "terms":
-        return list(range(model._core.n_mass_terms))
+        return list(model._masses)
     if not isinstance(model, FrameModel):
         return []
     if on == "sections":

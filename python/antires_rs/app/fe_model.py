@@ -8,9 +8,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from ..io.fe_codes import read_model
+from ..exceptions import reject
+from ..io.fe_codes import read_model, write_model
 from ..io.fe_programs import code_name
 from ..models.matrix_model import MatrixModel
+from ..updating.result import UpdateResult
 from .command import arguments, existing, new_file, show
 
 _PASSED = "command", "out", "workers"
@@ -19,15 +21,29 @@ _ELEMENTS = re.compile(r"\d+(-\d+)?(,\d+(-\d+)?)*")
 
 
 def model(args: argparse.Namespace) -> int:
-    """Run the code, save the model, say what is in it."""
-    new_file("--out", args.out, ".npz")
-    existing("SOURCE", Path(_FUNCTION.sub("", args.source)), "Name the input of the code.")
+    """Run the code, save the model, say what is in it; or write the input with the values of a result."""
+    source = existing("SOURCE", Path(_FUNCTION.sub("", args.source)), "Name the input of the code.")
+    new_file("--out", args.out, source.suffix if args.result else ".npz")
+    if args.result:
+        return _write(args)
+    if not args.groups:
+        reject("--groups", "nothing", "the groups that may be scaled", "As in --groups elset.")
     named = {"source": "SOURCE", "groups": "--groups", "command": "--command", "path": "SOURCE"}
     with arguments(named):
         by_number = code_name(args.source, None, args.command) != "command"
         groups = _groups(args.groups, by_number)
         found = read_model(args.source, groups=groups, **{n: getattr(args, n) for n in _PASSED})
     show(args.json, _data(found), "\n".join(_lines(found, str(args.out))))
+    return 0
+
+
+def _write(args: argparse.Namespace) -> int:
+    with arguments({"source": "SOURCE", "model": "--result", "path": "--result", "file": "--out"}):
+        found = UpdateResult.load(args.result).model
+        write_model(args.out, args.source, found, command=args.command)  # type: ignore[arg-type]
+    factors = found.group_factors  # type: ignore[attr-defined]
+    rows = (f"{name}  {factor:.6g} times its value" for name, factor in factors.items() if factor != 1.0)
+    show(args.json, {"factors": factors}, "\n".join([f"{args.out} is written", *rows]))
     return 0
 
 

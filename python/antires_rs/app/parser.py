@@ -200,10 +200,12 @@ look (look.look): a page to look at a measurement, to add and drop values
         --no-browser: print the address, and open no browser
 model (fe_model.model): a model from the input of a finite-element code, which is run for it
     Run CalculiX (.inp), OpenSeesPy (.py, or FILE.py:FUNCTION) or any code by --command, and save K and M
-    with the terms of groups, for file = of [model] in a job. Run again it goes on where it was stopped.
+    with the terms of groups, for file = of [model] in a job. Run again it goes on where it was stopped. With
+    --result, write the input again with the values that a job has found, and run nothing.
         source SOURCE: input of the code
-        --groups GROUP+ !: <groups>
-        --out FILE.npz !: the model; what was run is kept beside it
+        --groups GROUP+: <groups>
+        --out FILE !: the model (.npz), what was run is kept beside it; or with --result the new input
+        --result RESULT.npz: of a job whose model was made of SOURCE
         --command COMMAND: how the code is run, as in "nastran {input}" (default: CalculiX is ccx)
         --workers N>=1: runs at a time (default: all processors)
         <json>

@@ -66,7 +66,7 @@ def factors_of(model: StructuralModel, factors: tuple[Parameter, ...] | None = N
     anywhere within their bounds."""
     if factors is None:
         stiffness = [Parameter("stiffness_factor", (term,), BOUNDS) for term in model._springs]
-        mass = [Parameter("mass_factor", (term,), BOUNDS) for term in range(model._core.n_mass_terms)]
+        mass = [Parameter("mass_factor", (term,), BOUNDS) for term in model._masses]
         factors = (*stiffness, *mass)
     try:
         low, high = (np.full(len(factors), bound) for bound in BOUNDS)

@@ -74,7 +74,7 @@ class SearchOptions(Options):
     )
     reduction: str | bool = option(
         "auto",
-        "Whether antiresonances are sought on reduced models; by default for more than 2,000 dofs.",
+        "Whether antiresonances are sought on reduced models; by default for more than 600 dofs.",
         kind="value",
         choices=("auto", True, False),
         scope=TWO_STATES,

@@ -119,6 +119,9 @@ _MODULI = {
 }
 
 
+Groups = Mapping[str, tuple[str, list[int]]]  # quantity and elements, by name
+
+
 class Deck:
     """An input file that can be written again with values of groups times factors."""
 
@@ -225,8 +228,8 @@ class Deck:
             found.add(float(own[0].numbers(0)[0]))
         return found.pop() if len(found) == 1 else None
 
-    def text(self, groups: Mapping[str, tuple[str, list[int]]], factors: Mapping[str, float]) -> str:
-        """The input that stores matrices, with the value of each group (quantity, elements) times its factor.
+    def scaled(self, groups: Groups, factors: Mapping[str, float], end: int | None = None) -> Iterator[str]:
+        """The cards up to one, or all, with the value of each group (quantity, elements) times its factor.
 
         Sections are written in the same pieces whatever the factors are, so that the code does the same.
         """
@@ -238,15 +241,18 @@ class Deck:
         pieces = defaultdict(lambda: defaultdict(list))
         for element, i in self.section_of.items():
             pieces[i][tuple(of[element])].append(element)
-        chosen, procedure = self._step()
-        written: list[str] = []
-        for i, card in enumerate(self.cards[: len(self.cards) if chosen is None else chosen + 1]):
+        for i, card in enumerate(self.cards[:end]):
             if i in pieces and any(pieces[i]):
                 for nth, (names, elements) in enumerate(pieces[i].items()):
                     scales = {groups[name][0]: factors.get(name, 1.0) for name in names}
-                    written += self._piece(card, f"ANTIRES-{i}-{nth}", elements, scales)
-            elif i != chosen:
-                written.append(card.text())
+                    yield from self._piece(card, f"ANTIRES-{i}-{nth}", elements, scales)
+            else:
+                yield card.text()
+
+    def text(self, groups: Groups, factors: Mapping[str, float]) -> str:
+        """The input that stores the matrices of the model with scaled values."""
+        chosen, procedure = self._step()
+        written = [*self.scaled(groups, factors, chosen)]
         written.append("*STEP\n" if chosen is None or not procedure else self.cards[chosen].text())
         if chosen is not None:
             for card in self.cards[chosen + 1 :]:

@@ -27,11 +27,11 @@ from ..models.matrices import Entries
 from ..models.matrix_model import MatrixModel
 from ..models.term_groups import Powers, TermGroup
 from ..support.checks import integer
-from ..support.files import alive
+from ..support.files import alive, write_atomically
 from ..support.progress import waiting
 from ..support.workers import Failed, Workers, processors
 from .archive import Store, decoded, encoded, read_store, write_store
-from .fe_programs import Code, Factors, Run, opened
+from .fe_programs import Asked, Code, Factors, Run, opened
 from .matrix_files import write_matrices
 from .options import PathLike
 
@@ -358,9 +358,69 @@ def _model(code: Code, base: Run, found: Terms) -> MatrixModel:
             powers.append(tuple((len(terms) + nth, power) for nth, power in enumerate(side)))
             terms |= {each.name if linear else f"{each.name}^{power}": term for power, term in side.items()}
         value, elements = base.values.get(each.place, each.value), np.array(each.elements, dtype=np.intp)
-        groups.append(TermGroup(each.name, each.quantity, value, powers[0], powers[1], elements))
+        groups.append(TermGroup(each.name, each.quantity, value, powers[0], powers[1], elements, each.place))
     k, m = base.both(base.n_dof)
     more: dict[str, Any] = {"dofs": base.names or None, "groups": groups, "mesh": base.mesh}
     if base.constraints:
         more["constraints"] = list(map(dict, base.constraints))
     return MatrixModel(k, m, stiffness_terms=named[0], mass_terms=named[1], **more)
+
+
+def write_model(
+    file: PathLike,
+    source: PathLike,
+    model: MatrixModel,
+    *,
+    code: Literal["calculix", "opensees", "command"] | None = None,
+    command: str | None = None,
+) -> Path:
+    """The input of a finite-element code with the values that a model has now, as after an updating.
+
+    Parameters
+    ----------
+    file : path-like
+        The new input.
+    source : path-like
+        The input that :func:`read_model` had, with ``code`` and ``command`` as there; it stays as it is.
+    model : MatrixModel
+        Of :func:`read_model`, scaled by parameters or :meth:`MatrixModel.with_group_factors`: often
+        ``result.model``. What is written are its :attr:`MatrixModel.group_factors`.
+
+    Returns
+    -------
+    pathlib.Path
+
+    Raises
+    ------
+    InvalidInputError
+        A model without groups, or whose groups are elements of a script; a source that has other values than
+        the model was read with; the source as the new file.
+
+    Notes
+    -----
+    Of CalculiX the whole input, with what it includes: elements of changed groups have a section and a
+    material of their own. Of OpenSeesPy a script in which the function has other defaults. Of other codes the
+    input with numbers in place of names. A run of the code gives the frequencies of the model.
+
+    Examples
+    --------
+    >>> import sys, tempfile, pathlib, numpy as np, antires_rs as ar
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> _ = (folder / "bar.dat").write_text("modulus {web:.4e}")
+    >>> web = ar.TermGroup("web", "value", 2.1e11, ((0, 1),))
+    >>> model = ar.MatrixModel(np.eye(1), np.eye(1), stiffness_terms={"web": np.eye(1)}, groups=[web])
+    >>> new = model.with_group_factors({"web": 0.9})
+    >>> ar.write_model(folder / "new.dat", folder / "bar.dat", new, command="code {input}").read_text()
+    'modulus 1.8900e+11'
+    """
+    if not isinstance(model, MatrixModel) or not model.groups:
+        remedy = "Give what read_model returned, or the .model of a result for it."
+        reject("model", model, "a MatrixModel with groups", remedy)
+    chosen, target = opened(source, code, command), Path(file)
+    if target.exists() and target.samefile(str(source).rpartition(":")[0] or str(source)):
+        reject("file", str(file), "another file than the source", "Choose another name.")
+    chosen.asked = [
+        Asked(each.name, each.quantity, tuple(each.elements.tolist()), each.place, each.value)
+        for each in model.groups.values()
+    ]
+    return write_atomically(target, chosen.input(model.group_factors, target).encode())

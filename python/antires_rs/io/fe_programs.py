@@ -108,6 +108,10 @@ class Code:
         """Run it in a folder."""
         raise NotImplementedError
 
+    def input(self, factors: Factors, file: Path) -> str:
+        """The input with other values, for the user to keep as ``file``."""
+        reject("source", self.name, "a file that can be written again", "Call it with the values.")
+
     def written(self, name: str, factor: float) -> float:
         """The factor that a run has, where the input has few digits."""
         return factor
@@ -195,10 +199,22 @@ class CalculiX(Code):
                 reject(("groups", name), f"element {unknown[0]}", "elements that have a section", remedy)
             yield Asked(name, quantity, elements, value=self._deck.value(quantity, list(elements)))
 
+    def _groups(self) -> calculix.Groups:
+        return {each.name: (each.quantity, list(each.elements)) for each in self.asked}
+
     def text(self, factors: Factors) -> str:
         """The input file of the run."""
-        groups = {each.name: (each.quantity, list(each.elements)) for each in self.asked}
-        return f"** {self._words}\n{self._deck.text(groups, factors)}"
+        return f"** {self._words}\n{self._deck.text(self._groups(), factors)}"
+
+    def input(self, factors: Factors, file: Path) -> str:
+        """With its own steps, and what it includes in it."""
+        for each in self.asked:
+            there = self._deck.value(each.quantity, list(each.elements))
+            if there != each.value:
+                got, wanted = f"{there} for {each.name!r}", f"{each.value}, as the model was read"
+                reject("source", got, wanted, "Name the input that read_model had.")
+        kept = {name: group for name, group in self._groups().items() if factors[name] != 1.0}
+        return "".join(self._deck.scaled(kept, factors))
 
     def run(self, folder: Path, factors: Factors) -> Run:
         """The matrices that it stores."""
@@ -253,6 +269,26 @@ class OpenSees(Code):
             [self._request(factors), *self._words, *(f.read_text(errors="replace") for f in beside)]
         )
 
+    def input(self, factors: Factors, file: Path) -> str:
+        """A script with the same function, whose arguments have other defaults."""
+        moved = [each for each in self.asked if factors[each.name] != 1.0]
+        fixed = [each.name for each in moved if each.value is None or not each.place]
+        if fixed or self._function is None:
+            got = f"elements of {fixed[0]!r}" if fixed else "no function"
+            wanted = "arguments of a function, which have values"
+            reject(
+                "source", got, wanted, 'Read the model as "frame.py:build", with groups that are arguments.'
+            )
+        values = {each.place: (each.value or 0.0) * factors[each.name] for each in moved}
+        folder = os.path.relpath(self._script.parent, file.resolve().parent)
+        return _SCRIPT.format(
+            script=self._script.name,
+            stem=self._script.stem,
+            name=self._function,
+            folder=folder,
+            values=values,
+        )
+
     def run(self, folder: Path, factors: Factors) -> Run:
         """The matrices of the model that the script builds."""
         out, install = folder / "model.npz", "Name the Python that has OpenSeesPy by command=."
@@ -290,6 +326,21 @@ class OpenSees(Code):
         return Run(
             k, m, names_of("dofs", names, n), n, tuple(map(tuple, ties.values())), mesh, about["defaults"]
         )
+
+
+_SCRIPT = """\
+# {script} with other values.
+import sys
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent / {folder!r}))
+{name} = partial(import_module({stem!r}).{name}, **{values!r})
+
+if __name__ == "__main__":
+    {name}()
+"""
 
 
 class Template(Code):
@@ -337,6 +388,10 @@ class Template(Code):
     def text(self, factors: Factors) -> str:
         """The input file of the run, and the command."""
         return f"{self._words}\n{self._input(factors)}"
+
+    def input(self, factors: Factors, file: Path) -> str:
+        """With numbers in all places."""
+        return self._input(factors)
 
     def run(self, folder: Path, factors: Factors) -> Run:
         """The matrices that it leaves in the folder."""
@@ -416,9 +471,11 @@ def code_name(source: Any, code: str | None, command: str | None) -> str:
     return code
 
 
-def opened(source: Any, code: str | None, command: str | None, groups: Any) -> Code:
+def opened(source: Any, code: str | None, command: str | None, groups: Any = None) -> Code:
     """The code with its model, and the groups that are asked for; they share no elements."""
     found = _CODES[code_name(source, code, command)](source, command)
+    if groups is None:
+        return found
     found.asked = list(found.ask(groups))
     for nth, one in enumerate(found.asked):
         for other in found.asked[:nth]:

@@ -19,7 +19,7 @@ from .parameters import Parameter
 from .penalties import warn_penalties
 from .recipes import Independent, MatrixRecipe
 from .structural_model import End, ModelDescription, StructuralModel
-from .term_groups import Mesh, TermGroup, checked_groups, powers_of
+from .term_groups import Mesh, TermGroup, checked_groups, factors_of, powers_of
 
 #: Decades between the K / M of dofs from which on one method alone loses roots; most dofs to ask both.
 _APART, _MOST_FOR_BOTH = 8.0, 200
@@ -146,6 +146,28 @@ class MatrixModel(StructuralModel, Viewed):
             return self
         return self.with_parameters(chosen, [*stiffness.values(), *mass.values()])
 
+    @property
+    def group_factors(self) -> dict[str, float]:
+        """Factors on the values of groups that updating, or :meth:`with_group_factors`, has applied.
+
+        InvalidInputError where no one value of a group gives what its terms have.
+
+        Examples
+        --------
+        >>> import numpy as np, antires_rs as ar
+        >>> web = ar.TermGroup("web", "youngs_modulus", 2.1e11, ((0, 1),))
+        >>> model = ar.MatrixModel(np.eye(1), np.eye(1), stiffness_terms={"web": np.eye(1)}, groups=[web])
+        >>> model.with_parameters(ar.stiffness_reduction("web"), 0.25).group_factors
+        {'web': 0.75}
+        """
+        sides: tuple[dict[int, float], dict[int, float]] = {}, {}
+        for applied in self.description.applied:
+            for one, value in zip(applied.parameters, applied.values.tolist(), strict=True):
+                factors = sides[one.quantity == "mass_factor"]
+                scale = 1.0 - value if one.quantity == "stiffness_reduction" else value
+                factors |= {term: scale * factors.get(term, 1.0) for term in one.terms}
+        return factors_of(self.groups, *sides)
+
     def element_label(self, element: int) -> str:
         """Name of its stiffness term, or ``element 3`` where it has none."""
         names = self._recipe.stiffness_names
@@ -227,9 +249,18 @@ class MatrixModel(StructuralModel, Viewed):
     def default_elements(self) -> list[int]:
         """Stiffness terms of which the equations leave something; of groups those of linear ones."""
         given, left = self._recipe.stiffness_terms, self._independent.matrices.stiffness_terms
-        powers = {i for group in self._recipe.groups if not group.linear for i, _ in group.stiffness_powers}
         kept = [i for i, term in enumerate(left) if term.values.size or term is given[i]]
+        powers = self._of_polynomials("stiffness_powers")
         return [i for i in kept if i not in powers]
+
+    @property
+    def _masses(self) -> list[int]:
+        """Those of polynomials move together: one alone would leave an indefinite mass."""
+        powers = self._of_polynomials("mass_powers")
+        return [i for i in super()._masses if i not in powers]
+
+    def _of_polynomials(self, side: str) -> set[int]:
+        return {i for each in self._recipe.groups if not each.linear for i, _ in getattr(each, side)}
 
     @property
     def _free_dofs(self) -> list[int]:

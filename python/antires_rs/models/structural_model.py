@@ -285,6 +285,11 @@ class StructuralModel(AroundCore[CoreModel]):
         """Stiffness terms that have a stiffness."""
         return self.default_elements
 
+    @property
+    def _masses(self) -> list[int]:
+        """Mass terms of which each may have a factor of its own."""
+        return list(range(self._core.n_mass_terms))
+
     def stiffness(self) -> Any:
         """Stiffness matrix, (n, n), N/m, as ``scipy.sparse.csc_array``, of a chain as ``ndarray``.
 

@@ -33,6 +33,8 @@ class TermGroup(Value):
         Number of each term, and the power of the value that it goes with.
     elements : ndarray of int
         Numbers of the elements in the code; empty where it does not tell.
+    place : str
+        Argument of the script or function that has the value, where the group is one.
 
     Raises
     ------
@@ -53,6 +55,7 @@ class TermGroup(Value):
     stiffness_powers: Powers = ()
     mass_powers: Powers = ()
     elements: IntArray = field(default_factory=lambda: NO_ELEMENTS, repr=False)
+    place: str = field(default="", repr=False)
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
@@ -213,3 +216,20 @@ def powers_of(groups: Mapping[str, TermGroup], factors: Any) -> tuple[dict[int, 
         stiffness |= {term: factor**power for term, power in groups[name].stiffness_powers}
         mass |= {term: factor**power for term, power in groups[name].mass_powers}
     return stiffness, mass
+
+
+def factors_of(
+    groups: Mapping[str, TermGroup], stiffness: Mapping[int, float], mass: Mapping[int, float]
+) -> dict[str, float]:
+    """Factors on the values of groups, of those on their terms: the way back of :func:`powers_of`."""
+    found = {}
+    for name, group in groups.items():
+        sides = (stiffness, group.stiffness_powers), (mass, group.mass_powers)
+        acting = [(factors.get(term, 1.0), power) for factors, powers in sides for term, power in powers]
+        roots = [factor ** (1.0 / power) if factor > 0.0 else 0.0 for factor, power in acting]
+        if not min(roots) > 0.0 or max(roots) > (1.0 + 1e-9) * min(roots):
+            got = f"terms of {name!r} times {', '.join(f'{factor:g}' for factor, _ in acting)}"
+            wanted = "factors that one value, above 0, gives to stiffness and mass"
+            reject("model", got, wanted, "Scale it by with_group_factors, or stiffness and mass alike.")
+        found[name] = roots[0]
+    return found

@@ -467,7 +467,7 @@ def coordinates(rows: FloatArray) -> FloatArray:
 # others begin elsewhere until two agree.
 
 
-LARGE, _MOST_PARAMETERS = 2000, 60  # more dofs than these are reduced, with no more parameters
+LARGE, _MOST_PARAMETERS = 600, 60  # more dofs than these are reduced, with no more parameters
 
 
 @dataclass(frozen=True)

@@ -46,7 +46,7 @@ def update(
         Threads; all processors by default. The bits are the same for any number.
     reduction : {'auto', True, False} or Reduction, optional
         Whether to search on a reduced model, see :class:`Reduction`; the result is told of the full one.
-        'auto': above 2,000 dofs, with antiresonances, at most 60 parameters that scale terms, no checkpoint.
+        'auto': above 600 dofs, with antiresonances, at most 60 parameters that scale terms, no checkpoint.
 
     Returns
     -------
