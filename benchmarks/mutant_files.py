@@ -1,8 +1,8 @@
 """Mutants of every kind of file that is read: crashes, hangs, raw tracebacks and memory are counted.
 
 A good file of each kind is changed in one to four places (bytes replaced, lost, doubled, put in, the rest cut
-off) and read in another process, with a limit of 20 s and 1 GB (of the process and its children). What may
-come of it: a result, or an error of ours.
+off), or inside, its checksums made anew, and read in another process, with a limit of 20 s and 1 GB (of the
+process and its children). What may come of it: a result, or an error of ours.
 
     python -m benchmarks.mutant_files --each 30            # ten minutes
     python -m benchmarks.mutant_files --each 300 --kinds mtx mat5
@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from reference.mutant_kinds import KINDS, mutant, outcome
+from reference.mutant_kinds import KINDS, outcome
 
 TIME_S, MEMORY_GB = 20.0, 1.0
 OUTCOMES = ("read", "ours", "RAW", "HANG", "CRASH", "MEMORY")
@@ -109,7 +109,7 @@ def main():
             for number in range(options.each):
                 rng = np.random.default_rng([options.seed, list(KINDS).index(kind), number])
                 path = Path(folder) / f"mutant{KINDS[kind].ending}"
-                path.write_bytes(mutant(good, rng))
+                path.write_bytes(KINDS[kind].mutate(good, rng))
                 what, why = reading.read(path)
                 counts[what] += 1
                 if what not in ("read", "ours"):

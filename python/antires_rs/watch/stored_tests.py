@@ -23,7 +23,7 @@ import numpy as np
 
 from .._core import __version__
 from ..exceptions import AntiresError, reject
-from ..io.common import brief, require
+from ..io.common import DAMAGE, brief, require
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.edits import BY_HAND
 from ..measured.response_table import NUMBERS, Dofs, ResponseTable
@@ -120,7 +120,9 @@ class Entry:
     @classmethod
     def kept(cls, name: str, conditions: Mapping[str, float | None], time: Any, fingerprint: str) -> Entry:
         """Out of a file, in which null stands for NaN."""
-        known = {key: np.nan if value is None else value for key, value in conditions.items()}
+        known = {key: np.nan if value is None else float(value) for key, value in conditions.items()}
+        if not (isinstance(name, str) and isinstance(fingerprint, str)):
+            raise TypeError(f"the name {name!r}")
         return cls(name, known, None if time is None else np.datetime64(time, "ms"), fingerprint)
 
 
@@ -172,7 +174,15 @@ class StoredSets(Sequence[AntiresonanceSet | None]):
         if isinstance(at, slice):
             return StoredSets(self.rows[at])
         row = self.rows[at]
-        return None if row.failed is not None else decoded(row.plain())
+        if row.failed is not None:
+            return None
+        try:
+            return decoded(row.plain())
+        except AntiresError:
+            raise
+        except DAMAGE as exc:
+            got = f"a series whose test {row.name!r} is damaged ({type(exc).__name__}: {brief(exc)})"
+            reject("path", got, WANTED, "Restore the file from a copy, or identify its tests anew.")
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -312,7 +322,7 @@ def _reading(path: Path, argument: str) -> Iterator[None]:
         yield
     except (AntiresError, FileNotFoundError):
         raise
-    except (OSError, LookupError, TypeError, ValueError, pyarrow().ArrowException) as exc:
+    except (OSError, *DAMAGE, pyarrow().ArrowException) as exc:
         got = f"{str(path)!r}, which cannot be read ({brief(exc)})"
         reject(argument, got, WANTED, "Name another file.")
 
