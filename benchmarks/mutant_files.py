@@ -30,6 +30,7 @@ OUTCOMES = ("read", "ours", "RAW", "HANG", "CRASH", "MEMORY")
 def reader(kind, connection):
     """Read the files that are named, and tell what came of each; a crash ends this process alone."""
     with open(os.devnull, "w") as nowhere, contextlib.redirect_stderr(nowhere):
+        connection.send("begun")
         for path in iter(connection.recv, None):
             connection.send(outcome(kind, Path(path)))
 
@@ -62,6 +63,7 @@ class Reading:
         self.process = context.Process(target=reader, args=(self.kind, theirs), daemon=True)
         self.process.start()
         theirs.close()
+        self.connection.recv()
 
     def end(self):
         """Stop the process."""
@@ -78,7 +80,7 @@ class Reading:
         begun, most = time.monotonic(), 0.0
         while not self.connection.poll(0.02):
             most = max(most, resident_gb(self.process.pid))
-            late = time.monotonic() - begun > TIME_S + (5.0 if most < 0.1 else 0.0)
+            late = time.monotonic() - begun > TIME_S
             if late or most > MEMORY_GB:
                 self.end()
                 return ("HANG" if late else "MEMORY"), f"{most:.2f} GB"

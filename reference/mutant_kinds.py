@@ -1,7 +1,7 @@
 """Files of every kind that is read: how a good one is made, how any is read, and how it is damaged.
 
-Most mutants are blind. Those of the kinds "... repaired" are changed inside, and the checksums made anew: what
-is read then are wrong values of the right form.
+Most mutants are blind. Those of the kinds "... repaired" are changed inside, and the checksums made anew:
+what is read then are wrong values of the right form.
 """
 
 from __future__ import annotations

@@ -23,7 +23,9 @@ import numpy as np
 
 from .._core import __version__
 from ..exceptions import AntiresError, reject
+from ..io.child_process import Limits, in_a_child
 from ..io.common import DAMAGE, brief, require
+from ..io.table_files import tried_parquet
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.edits import BY_HAND
 from ..measured.response_table import NUMBERS, Dofs, ResponseTable
@@ -221,6 +223,8 @@ OF_VALUE = {"dof": "U"} | dict.fromkeys(NUMBERS, "f") | {"source": "U"}
 OF_TEST = {"failed": "U", "count": "n", "fingerprint": "U", "facts": "U"}
 WANTED = "a series that antires_rs wrote"
 Columns = dict[str, list[Any]]
+#: Tables that this process wrote, or that a child read without harm, by what tells their state.
+_TRIED: set[tuple[int, ...]] = set()
 
 
 def pyarrow(what: str = "a series in a file") -> Any:
@@ -239,6 +243,11 @@ def check_format(argument: str, path: Path, facts: Mapping[str, Any], newest: in
         reject(
             argument, f"{str(path)!r} of version {facts.get('version')}", f"{newest}", "Update antires_rs."
         )
+
+
+def _state(path: Path) -> tuple[int, ...]:
+    found = path.stat()
+    return found.st_dev, found.st_ino, found.st_mtime_ns, found.st_size
 
 
 def write_table(path: Path, rows: Sequence[Row], config: dict[str, Any] | None) -> None:
@@ -278,6 +287,7 @@ def write_table(path: Path, rows: Sequence[Row], config: dict[str, Any] | None) 
                     writer.write_table(table, row_group_size=max(table.num_rows, 1))
         with open(beside, "rb+") as written:
             os.fsync(written.fileno())
+    _TRIED.add(_state(path))
 
 
 def _columns(first: int, rows: Sequence[Row], fields: Iterable[str], conditions: Sequence[str]) -> Columns:
@@ -329,6 +339,9 @@ def _reading(path: Path, argument: str) -> Iterator[None]:
 
 def read_table(path: Path, argument: str = "path") -> tuple[list[Row], dict[str, Any] | None]:
     """The tests of a file, and what :func:`~antires_rs.identify_series` was called with."""
+    if (state := _state(path)) not in _TRIED:
+        in_a_child(tried_parquet, path, WANTED, Limits(120.0, 8.0))
+        _TRIED.add(state)
     with _reading(path, argument):
         return _rows_of_table(path, argument)
 
@@ -361,7 +374,7 @@ class _Sets:
     """The sets in a file, by row groups."""
 
     def __init__(self, path: Path, in_group: int) -> None:
-        self._path, self._in_group, self._state = path, in_group, path.stat()
+        self._path, self._in_group, self._state = path, in_group, _state(path)
         self._group = lru_cache(HELD)(self._read)
 
     def plain(self, nth: int) -> Plain:
@@ -378,8 +391,7 @@ class _Sets:
 
     def _read(self, group: int) -> tuple[Columns, list[int]]:
         """Columns of a row group, and where its tests begin."""
-        state = self._path.stat()
-        if (state.st_ino, state.st_mtime_ns) != (self._state.st_ino, self._state.st_mtime_ns):
+        if _state(self._path) != self._state:
             got = f"{str(self._path)!r}, which was written anew"
             reject("path", got, "the file that this series was loaded from", "Load it again.")
         file = pyarrow().parquet.ParquetFile
