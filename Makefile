@@ -44,11 +44,13 @@ test-python: tools  ## tests of the Python package
 coverage: tools  ## the same with the coverage of the package, line by line into target/coverage/html
 	$(PYTEST) --cov antires_rs --cov-report html
 
-campaign: $(STAMP)  ## the studies of which the suites have a part, and thirty times the random files and cases
+campaign: $(STAMP)  ## the studies of which the suites have a part, thirty times the random files and cases, and fuzzing
 	PROPTEST_CASES=4000 cargo test --locked
 	$(PYTEST) -m campaign
 	ANTIRES_EXAMPLES=30 $(PYTEST) $(wildcard tests/*/test_any_*.py)
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.search_study --least 95
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check $(call group,fuzz)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.fuzz_files --seconds 60
 
 lint: build  ## clippy, rustdoc, ruff, import contracts, mypy, stubtest
 	cargo fmt --check

@@ -485,10 +485,7 @@ def _json_changed(whole, rng):
 
 
 def _checkpoint_repaired(whole, rng):
-    head, end = whole[:-1], whole.index(b"\n") + 1
-    size = struct.calcsize("<Q32s32sQ")
-    payload = mutant(whole[end + size :], rng)
-    return head[: end + 40] + sha256(payload).digest() + struct.pack("<Q", len(payload)) + payload
+    return _with_payload(whole, mutant(_payload_of(whole), rng))
 
 
 def _sqlite_repaired(whole, rng):
@@ -548,6 +545,33 @@ def _parquet_repaired(whole, rng):
     return buffer.getvalue().to_pybytes()
 
 
+def _text_of(whole):
+    return bytes(_archive(whole)["antires_rs"])
+
+
+def _with_text(whole, text):
+    """An archive of ours with another text, under the checksum of that."""
+    held = _archive(whole) | own_arrays({"antires_rs": text})
+    if "text_sha256" in held:
+        held |= own_arrays({"text_sha256": sha256(text).digest()})
+    return _saved(held)
+
+
+def _payload_of(whole):
+    return whole[whole.index(b"\n") + 1 + struct.calcsize("<Q32s32sQ") :]
+
+
+def _with_payload(whole, payload):
+    """A checkpoint with another search in it."""
+    fixed = whole.index(b"\n") + 1 + struct.calcsize("<Q32s")
+    return whole[:fixed] + sha256(payload).digest() + struct.pack("<Q", len(payload)) + payload
+
+
+#: What a checksum covers, and a file with another one.
+INSIDE = {"checkpoint": (_payload_of, _with_payload)}
+INSIDE |= dict.fromkeys(
+    ("result", "assessor", "matrices of ours", "evidence", "npz of ours"), (_text_of, _with_text)
+)
 _SIGNAL = {"fs_hz": 256.0}
 KINDS = {
     "uff time": Kind(".uff", lambda p: ar.write_uff(p, POINTS, binary=False), ar.read_uff),

@@ -99,6 +99,7 @@ def test_what_was_written_is_read(tmp_path, kind, record):
 
 #: What needs no child process; benchmarks/mutant_files.py reads many more, of every kind.
 CHILDREN = ("hdf5", "mat5", "mat ", "tdms", "wav", "excel", "parquet", "conditions parquet", "miniseed")
+CHILDREN += ("series parquet",)
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if not kind.startswith(CHILDREN)])
