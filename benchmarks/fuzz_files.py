@@ -1,8 +1,8 @@
 """Fuzzing of what reads files in this process, guided by the lines that are reached (atheris, Linux).
 
-Each kind begins with a good file and what runs before found (``reference/fuzz_corpus``); changes that reach new
-lines are changed further. Where a checksum covers a text, or what Rust reads, that is changed, and the checksum
-made anew. An error that is not ours, 20 s or 1.5 GB end it; the file is kept.
+Each kind begins with a good file and what runs before found (``reference/fuzz_corpus``); changes that reach
+new lines are changed further. Where a checksum covers a text, or what Rust reads, that is changed, and the
+checksum made anew. An error that is not ours, 20 s or 1.5 GB end it; the file is kept.
 
     python -m benchmarks.fuzz_files --seconds 10              # of each kind
     python -m benchmarks.fuzz_files --seconds 600 --kinds csv "op4 binary" --keep

@@ -89,7 +89,7 @@ def _read(path: Path, db: sqlite3.Connection, argument: str) -> tuple[list[Row],
         raise sqlite3.DatabaseError(damage[0])
     rows, lost = _rows(path, db, facts["version"], damage)
     if lost:
-        damage.append(f"{len(lost)} tests {_DAMAGED}: {some(map(repr, lost))}")
+        damage.append(f"{len(lost)} tests are not as they were written: {some(map(repr, lost))}")
     if damage:
         text = f"{argument}: {str(path)!r} is damaged ({'; '.join(damage)}); "
         warn("incomplete_file", text + f"the other {len(rows)} tests were read.")
