@@ -380,7 +380,7 @@ def changed(data, rng):
             del held[key]
         elif way < 0.3 and isinstance(held, list):
             held.append(held[key])
-        elif way < 0.4 and isinstance(held[key], int | float) and np.isfinite(held[key]):
+        elif way < 0.4 and isinstance(held[key], int | float) and abs(held[key]) < 1e300:
             held[key] = -held[key] if rng.random() < 0.5 else 3 * held[key] + 1
         else:
             held[key] = copy.deepcopy(_OTHER[int(rng.integers(len(_OTHER)))])

@@ -76,7 +76,7 @@ def read_signal(file: Path, kind: str, options: Mapping[str, Any], spell: Spell 
             reject(
                 "dofs",
                 f"{name!r}, which is no channel of {file.name}",
-                f"names out of {names}",
+                f"names out of {', '.join(map(repr, names))}",
                 "Correct or remove it.",
             )
         # What a table does not name keeps its name.

@@ -78,7 +78,7 @@ def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) 
     if partial and kept:
         warn("incomplete_file", f"path: {str(path)!r} is incomplete: {found}; what is whole was read.")
         return
-    unsuitable(path, found, wanted, "Copy or export it again" + ", or pass partial=True." * bool(kept))
+    unsuitable(path, found, wanted, "Copy or export it again" + ", or pass partial=True" * bool(kept) + ".")
 
 
 @contextmanager

@@ -319,7 +319,7 @@ def columns_of_excel(path: str, request: dict[str, Any]) -> Answer:
     names = book.sheetnames
     chosen = request["sheet"] or names[0]
     if chosen not in names:
-        raise Unfit(f"the sheets are {called(names)}")
+        raise Unfit(f"no sheet is named {chosen!r} (the sheets are {called(names)})")
     sheet = book[chosen]
     head: list[list[str]] = []
     rows: list[list[Any]] = []
