@@ -64,7 +64,7 @@ campaign: $(STAMP)  ## the studies of which the suites have a part, thirty times
 	ANTIRES_EXAMPLES=30 $(PYTEST) $(wildcard tests/*/test_any_*.py)
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.search_study --least 95
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check $(call group,fuzz)
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.fuzz_files --seconds 60
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.fuzz_files --seconds 600
 
 lint: build  ## clippy, rustdoc, ruff, import contracts, mypy, stubtest
 	cargo fmt --check
