@@ -14,7 +14,7 @@ RUST   := $(shell find rust -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.l
 SOURCES := python tests reference examples benchmarks docs .ci
 
 .DEFAULT_GOAL := all
-.PHONY: all help demo test tools test-rust test-python coverage campaign lint format build docs wheel sdist bench clean
+.PHONY: all help demo test tools test-rust test-python oldest coverage campaign lint format build docs wheel sdist bench clean
 
 all: format lint build test  ## format, lint, build and test
 
@@ -40,15 +40,31 @@ tools: $(STAMP) $(DOCS_STAMP)
 test-python: tools  ## tests of the Python package
 	$(PYTEST)
 
+# Packages of the oldest versions that pyproject.toml promises, beside the newest tools that run tests. PyNiteFEA
+# wants a newer NumPy; its tests skip.
+OLDEST := $(VENV)_oldest
+PINS := import re, tomllib; own = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
+	every = sum(own["optional-dependencies"].values(), own["dependencies"]); \
+	print(*(re.sub(r"\[.*?\]", "", one).replace(">=", "==") for one in every if ">=" in one), sep="\n")
+
+oldest:  ## tests of the Python package with the oldest packages that it promises
+	@test -x $(OLDEST)/bin/python || $(PYTHON) -m venv $(OLDEST)
+	$(PYTHON) -c '$(PINS)' > $(OLDEST)/pins.txt
+	$(OLDEST)/bin/python -m pip install --quiet --disable-pip-version-check --constraint $(OLDEST)/pins.txt \
+		--editable ".[all]" $(filter-out "PyNiteFEA%,$(TEST_TOOLS))
+	OPENBLAS_NUM_THREADS=1 $(OLDEST)/bin/python -m pytest --numprocesses auto --dist worksteal tests
+
 # Not in every run: before Python 3.12 a tracer costs a quarter of the time of a test, and no limit hangs on the figure.
 coverage: tools  ## the same with the coverage of the package, line by line into target/coverage/html
 	$(PYTEST) --cov antires_rs --cov-report html
 
-campaign: $(STAMP)  ## the studies of which the suites have a part, and thirty times the random files and cases
+campaign: $(STAMP)  ## the studies of which the suites have a part, thirty times the random files and cases, and fuzzing
 	PROPTEST_CASES=4000 cargo test --locked
 	$(PYTEST) -m campaign
 	ANTIRES_EXAMPLES=30 $(PYTEST) $(wildcard tests/*/test_any_*.py)
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.search_study --least 95
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check $(call group,fuzz)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.fuzz_files --seconds 600
 
 lint: build  ## clippy, rustdoc, ruff, import contracts, mypy, stubtest
 	cargo fmt --check

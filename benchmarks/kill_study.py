@@ -65,7 +65,6 @@ def child(log: str, every_s: str, *command: str) -> int:
     """One process: an ``antires`` command, or without one the script; its phases go to the file ``log``."""
     import antires_rs as ar
     from antires_rs.app import main as cli, run, run as drawing
-    from antires_rs.app.run import RunFolder
     from antires_rs.optimize.checkpoint import Checkpoint
 
     phases = os.open(log, os.O_WRONLY | os.O_APPEND)
@@ -91,7 +90,6 @@ def child(log: str, every_s: str, *command: str) -> int:
     announce(run, "update", "search", "writing the results")
     announce(Checkpoint, "store", "writing a checkpoint", "search")
     announce(drawing, "draw", "report and pictures", "ending")
-    announce(RunFolder, "forget_search", "ending")
     if command:
         return cli.main(command)
     problem = ar.cases.chain8(perturbation=0.08, rng=1).updating_problem()

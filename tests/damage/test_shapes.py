@@ -126,7 +126,7 @@ def test_temperature_beside_damage():
     assert not assessed(warm, before, rng, environment=("temperature",)).damaged
     how = {"baseline": measured(before, rng), "search": ar.SearchOptions(environment=("temperature",))}
     assert not ar.Assessor(PLAIN, **how).assess(measured(warm, rng)).damaged
-    with pytest.raises(ar.InvalidInputError, match=r"environment: got .*wind.*wanted a tuple of some of"):
+    with pytest.raises(ar.InvalidInputError, match=r"environment: got .*wind.*wanted a list of some of"):
         assessed(before, before, rng, environment=("wind",))
 
 

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 import antires_rs as ar
 from reference import truncation
 from reference.io_signals import differences
-from reference.mutant_kinds import KINDS, mutant, outcome
+from reference.mutant_kinds import KINDS, outcome
 from reference.truncation import FORMATS
 from tests.support.campaign import examples
 from tests.support.mutations import any_bytes, mutated
@@ -98,7 +98,8 @@ def test_what_was_written_is_read(tmp_path, kind, record):
 
 
 #: What needs no child process; benchmarks/mutant_files.py reads many more, of every kind.
-CHILDREN = ("hdf5", "mat", "tdms", "wav", "excel", "parquet", "miniseed")
+CHILDREN = ("hdf5", "mat5", "mat ", "tdms", "wav", "excel", "parquet", "conditions parquet", "miniseed")
+CHILDREN += ("series parquet",)
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if not kind.startswith(CHILDREN)])
@@ -107,7 +108,7 @@ def test_mutants(tmp_path, kind):
     assert outcome(kind, whole) == ("read", "")
     good, path = whole.read_bytes(), tmp_path / f"mutant{KINDS[kind].ending}"
     for number in range(12):
-        path.write_bytes(mutant(good, np.random.default_rng([7, number])))
+        path.write_bytes(KINDS[kind].mutate(good, np.random.default_rng([7, number])))
         assert outcome(kind, path)[0] in ("read", "ours"), (number, outcome(kind, path))
 
 

@@ -4,18 +4,21 @@ import gzip
 import os
 import pickle
 import re
+import sqlite3
 import struct
 import subprocess
 import sys
 import time
 import zipfile
+import zlib
+from contextlib import closing
 
 import numpy as np
 import pytest
 from scipy import sparse
 
 import antires_rs as ar
-from antires_rs.io import archive, matrix_files
+from antires_rs.io import archive, child_process, matrix_files
 from tests.support.job_files import DAMAGE, write_measured
 from tests.support.refusals import refused, unsuitable
 
@@ -70,7 +73,7 @@ def test_a_job_reaches_the_same_check(tmp_path, capsys):
     model = 'kind = "matrices"\nstiffness = "k.npz"\nmass = "k.npz"\n\n[damage]'
     (tmp_path / "job.toml").write_text(re.sub(r'kind = "chain".*\[damage\]', model, DAMAGE, flags=re.DOTALL))
     assert main(["damage", str(tmp_path / "job.toml")]) == 1
-    assert "indices must be < 3" in capsys.readouterr().err
+    assert "must be < 3" in capsys.readouterr().err
 
 
 def record(*content):
@@ -135,6 +138,129 @@ def test_the_bound_is_the_users(tmp_path, monkeypatch):
     assert ar.read_npz(plain).n_samples == 100_000  # as large as the file itself
     monkeypatch.setenv("ANTIRES_MAX_BYTES", "much")
     refused("ANTIRES_MAX_BYTES: got 'much'", ar.read_npz, file)
+
+
+def parquet_of_zeros(path):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    pq.write_table(pa.table({"time": np.arange(400_000) / 1000.0, "a": np.zeros(400_000)}), path)
+
+
+def hdf5_of_zeros(path):
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        file.create_dataset("a", data=np.zeros(400_000), compression="gzip")
+        file.attrs["fs"] = 1000.0
+
+
+def excel_of_zeros(path):
+    from openpyxl import Workbook
+
+    book = Workbook(write_only=True)
+    sheet = book.create_sheet()
+    for i in range(6000):
+        sheet.append([i / 1000.0, *[0] * 9])
+    book.save(path)
+
+
+OF_CHILD = {
+    "a.parquet": (parquet_of_zeros, ar.read_parquet),
+    "a.h5": (hdf5_of_zeros, ar.read_hdf5),
+    "a.mat": (hdf5_of_zeros, ar.read_mat),
+    "a.xlsx": (excel_of_zeros, ar.read_excel),
+}
+
+
+@pytest.mark.parametrize("name", OF_CHILD)
+def test_the_bound_holds_for_what_the_child_hands_over(tmp_path, monkeypatch, name):
+    make, read = OF_CHILD[name]
+    if name == "a.xlsx":
+        pytest.importorskip("openpyxl")
+    make(tmp_path / name)
+    monkeypatch.setenv("ANTIRES_MAX_BYTES", "3e6")
+    with pytest.raises(ar.UnsuitableDataError, match="ANTIRES_MAX_BYTES"):
+        read(tmp_path / name)
+
+
+def series_file(path):
+    sets = [ar.AntiresonanceSet(0, {0: [2.0 + i, 50.0], 1: [3.0]}) for i in range(3)]
+    ar.Series.from_sets(sets, names=["a", "b", "c"]).save(path)
+    return path
+
+
+def test_a_table_of_a_series_that_ends_its_reader_ends_a_child_alone(tmp_path, monkeypatch):
+    file = series_file(tmp_path / "a.parquet")
+    os.utime(file, ns=(1, 1))  # not the file any more that this process wrote
+    (tmp_path / "reader.py").write_text("import os\nos.abort()\n")
+    monkeypatch.setattr(child_process, "READER", tmp_path / "reader.py")
+    with pytest.raises(ar.UnsuitableDataError, match="the reader ended with code"):
+        ar.Series.load(file)
+
+
+def test_a_table_of_a_series_is_bounded(tmp_path, monkeypatch):
+    file = tmp_path / "a.parquet"
+    ar.Series.from_sets([ar.AntiresonanceSet(0, {0: np.arange(1.0, 400.0)})] * 20).save(file)
+    os.utime(file, ns=(1, 1))
+    monkeypatch.setenv("ANTIRES_MAX_BYTES", "1e5")
+    with pytest.raises(ar.UnsuitableDataError, match="ANTIRES_MAX_BYTES"):
+        ar.Series.load(file)
+
+
+def in_database(file, change):
+    """Change the columns of the first test, and make its checksum anew."""
+    from antires_rs.watch.store import _checksum
+
+    with closing(sqlite3.connect(file)) as database, database:
+        values = list(database.execute("SELECT * FROM tests WHERE place = 1").fetchone()[1:-1])
+        values[-1] = change
+        database.execute(
+            "UPDATE tests SET columns = ?, checksum = ? WHERE place = 1", (change, _checksum(values))
+        )
+
+
+def test_what_a_test_of_a_series_unpacks_to_is_bounded(tmp_path, monkeypatch):
+    file = series_file(tmp_path / "a.sqlite")
+    in_database(file, zlib.compress(b" " * 10_000_000))
+    monkeypatch.setenv("ANTIRES_MAX_BYTES", "1e6")
+    with pytest.raises(ar.UnsuitableDataError, match="whose test 'a' unpacks to more"):
+        ar.Series.load(file)[0]
+
+
+@pytest.mark.parametrize("change", [b"no zlib", zlib.compress(b"{}"), zlib.compress(b"[")])
+def test_a_test_of_a_series_with_a_right_checksum_over_wrong_content(tmp_path, change):
+    file = series_file(tmp_path / "a.sqlite")
+    in_database(file, change)
+    with pytest.raises(ar.InvalidInputError, match="test 'a' is damaged"):
+        ar.Series.load(file)[0]
+
+
+def test_a_field_of_a_test_of_another_type(tmp_path):
+    file = series_file(tmp_path / "a.sqlite")
+    in_database(file, 7)
+    with pytest.warns(ar.AntiresWarning, match="1 tests are not as they were written: 'a'"):
+        assert ar.Series.load(file).names == ("b", "c")
+
+
+@pytest.mark.parametrize("value", ['"x"', "[", "null", "1e400"])
+def test_facts_of_a_store_that_are_damaged(tmp_path, value):
+    file = series_file(tmp_path / "a.sqlite")
+    with closing(sqlite3.connect(file)) as database, database:
+        database.execute("UPDATE series SET value = ? WHERE name = 'version'", (value,))
+    signal = ar.Recording(np.ones((2, 64)), 32.0)
+    with pytest.raises(ar.InvalidInputError, match=r"^store: got .*a\.sqlite"):
+        ar.identify_series([("a", signal)], excitation=0, band_hz=(1.0, 9.0), store=file)
+    with pytest.raises(ar.InvalidInputError, match=r"^path: got .*a\.sqlite"):
+        ar.Series.load(file)
+
+
+def test_a_member_of_an_archive_that_is_no_array(tmp_path):
+    np.savez(tmp_path / "a.npz", fs=64.0, a=np.zeros(64))
+    with zipfile.ZipFile(tmp_path / "a.npz", "a") as file:
+        file.writestr("notes.txt", b"of the test")
+    with pytest.raises(ar.UnsuitableDataError, match="'notes.txt' is no array"):
+        ar.read_npz(tmp_path / "a.npz")
 
 
 LIMITED = """

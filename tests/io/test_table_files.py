@@ -38,6 +38,7 @@ def test_excel_of_a_record(tmp_path):
     recorded(ar.read_excel(file, sheet="run 1"))
     assert ar.read_excel(file).dofs == ("a", "b")
     unsuitable("no row of numbers .the sheets are 'run 1', 'notes'", ar.read_excel, file, sheet="notes")
+    unsuitable("no sheet is named 'run 2'", ar.read_excel, file, sheet="run 2")
 
 
 def test_excel_of_responses(tmp_path, own_process):

@@ -68,6 +68,10 @@ def test_what_antiresonances_cannot_tell_is_said(updated):
     for words in ("Not seen by any measured antiresonance: mass 0.", "13 of 15", "ratios"):
         assert words in notes
     assert "note:" in result.summary()
+    assert result.summary().count("not determined") == 1  # the others but for a common scale
+    of_ratios = found.std_of_ratios[1:]
+    assert np.isinf(found.std).all()
+    assert ((of_ratios > 0.0) & (of_ratios < 0.05)).all()
     # Ratios to the last spring are free of the common scale.
     truth = np.concatenate([case.truth()["mass_factor"], case.truth()["stiffness_factor"]])
     ratios, within = result.x[1:] / result.x[-1], 20 * UPDATED_PERCENT / 100

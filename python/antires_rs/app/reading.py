@@ -74,7 +74,7 @@ def read_signal(file: Path, kind: str, options: Mapping[str, Any], spell: Spell 
         names = [str(name) if named else name for name in signal.dofs]
         for name in (name for name in dofs if named and name not in [*names, *left_out]):
             got = f"{name!r}, which is no channel of {file.name}"
-            reject("dofs", got, f"names out of {names}", "Correct or remove it.")
+            reject("dofs", got, f"names out of {', '.join(map(repr, names))}", "Correct or remove it.")
         # What a table does not name keeps its name.
         labels = {**dict(zip(names, names, strict=True)), **dofs} if named else dofs
         return relabelled(signal, renamed("dofs", names, labels))

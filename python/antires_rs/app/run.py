@@ -24,6 +24,7 @@ from ..exceptions import MissingDependencyError, UnsuitableDataError
 from ..figures import report_parts as parts
 from ..identification.stabilization import StabilizationDiagram
 from ..io.archive import Store, read_store, versions, write_store
+from ..io.common import parts_of
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..measured.response_table import ResponseTable
@@ -166,12 +167,15 @@ class Evidence:
     @classmethod
     def load(cls, path: Path) -> Evidence:
         """Read it."""
-        _, data = read_store(path, FORMAT, VERSION, "the evidence.npz of a run")
-        tables = data["diagrams"]
-        diagrams = tuple({Dofs.of_file(dof): _made(diagram) for dof, diagram in table} for table in tables)
-        kept = data["response"]
-        # Files of older versions do not say what kind it is.
-        return cls(diagrams, kept and FrequencyResponse(**({"kind": "transmissibility"} | kept)))
+        wanted = "the evidence.npz of a run"
+        file, data = read_store(path, FORMAT, VERSION, wanted)
+        with parts_of(file, wanted):
+            tables = tuple(
+                {Dofs.of_file(dof): _made(diagram) for dof, diagram in table} for table in data["diagrams"]
+            )
+            kept = data["response"]
+            # Files of older versions do not say what kind it is.
+            return cls(tables, kept and FrequencyResponse(**({"kind": "transmissibility"} | kept)))
 
 
 def _described(diagram: StabilizationDiagram, store: Store) -> dict[str, Any]:

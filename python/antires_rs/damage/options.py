@@ -114,8 +114,8 @@ class SearchOptions(Options):
             known = ", ".join(map(repr, SURROUNDINGS))
             given = (self.environment,) if isinstance(self.environment, str) else self.environment
             if not isinstance(given, (tuple, list)) or any(each not in SURROUNDINGS for each in given):
-                remedy = "As in environment=('temperature',)."
-                reject("environment", self.environment, f"a tuple of some of {known}", remedy)
+                remedy = "As in environment = ['temperature']."
+                reject("environment", self.environment, f"a list of some of {known}", remedy)
             return replace(self, environment=tuple(given)).checked()
         return self.checked()
 

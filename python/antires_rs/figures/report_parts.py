@@ -491,10 +491,18 @@ def tables_of(
         heads = {"name": "parameter", "nominal": "before", "value": "found", "std": "standard deviation"}
         heads |= {"change": "change (%)", "bounds": "bounds"}
         problem, rows = result.problem, []
-        columns = zip(problem.names, result.x, result.std, problem.nominal, problem.bounds, strict=True)
+        spreads = [text.removeprefix("\u00b1 ") for text in result.identifiability.spreads]
+        columns = zip(problem.names, result.x, spreads, problem.nominal, problem.bounds, strict=True)
         for name, value, std, nominal, (low, high) in columns:
             change = f"{100 * (value / nominal - 1):+.2f}" if nominal else ""
-            cells = (name, f"{nominal:.5g}", f"{value:#.5g}", _deviation(std), change, f"{low:g} to {high:g}")
+            cells = (
+                name,
+                f"{nominal:.5g}",
+                f"{value:#.5g}",
+                std.replace("nan", ""),
+                change,
+                f"{low:g} to {high:g}",
+            )
             rows.append(dict(zip(heads, cells, strict=True)) | {"on_bound": name in result.at_bound})
         tables["found"] = Table("Parameters", heads, rows, "on_bound")
     corrected = ", corrected by the baseline" * judged

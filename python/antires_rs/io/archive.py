@@ -272,13 +272,13 @@ def load_result(path: PathLike, kind: type[UpdateResult] = UpdateResult) -> Any:
         else:
             parts = [decoded(data[name], str(file)) for name in _PARTS]
         problem, search, *assessed, held = parts
-    cost = problem.cost(search.x)
-    if not np.isclose(cost, search.fun, rtol=1e-9, atol=1e-12):
-        made_by = f"was made by antires_rs {data['made_with']['antires_rs']}"
-        said = f"its objective was {search.fun:.9g} where this version computes {cost:.9g}."
-        warn("other_version", f"path: {str(file)!r} {made_by}; {said}")
-    asked = assessed if assessed[0] is not None else ()
-    return made(problem, search, data["seed"], *asked, options=held)
+        cost = problem.cost(search.x)
+        if not np.isclose(cost, search.fun, rtol=1e-9, atol=1e-12):
+            made_by = f"was made by antires_rs {data['made_with']['antires_rs']}"
+            said = f"its objective was {search.fun:.9g} where this version computes {cost:.9g}."
+            warn("other_version", f"path: {str(file)!r} {made_by}; {said}")
+        asked = assessed if assessed[0] is not None else ()
+        return made(problem, search, data["seed"], *asked, options=held)
 
 
 # -- Files of the versions before: results 1 to 3, assessors 1, matrices 1

@@ -97,7 +97,7 @@ def in_a_child(
         remedy = (
             f"Name the responses= to be read, which leaves the others alone, or raise memory_limit_gb{_OR}."
         )
-        unsuitable(file, problem, f"arrays that fit into {_SHARE * most_gb:.3g} GB twice", remedy)
+        unsuitable(file, problem, f"arrays of at most {0.5 * _SHARE * most_gb:.3g} GB", remedy)
     for name, shape, _ in listed:
         if name not in found and len(shape) > 2:  # told of, never filled
             found[name] = np.broadcast_to(np.float64(0.0), shape)

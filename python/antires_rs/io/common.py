@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
+from zlib import error as ZlibError
 
 import numpy as np
 
@@ -22,6 +23,8 @@ _EVEN = "instants in s, evenly spaced and ascending"
 _INSTANTS = "Resample it, cut out an even part, or leave the instants out and pass the rate."
 TO_ALIGN = "Read it with align=True and resample it by align, or cut out an even part."
 
+#: What wrong values of the right form may raise where they are used.
+DAMAGE = (LookupError, TypeError, AttributeError, ArithmeticError, ValueError, RecursionError, ZlibError)
 BYTES_OF_DOF = 512  # of a model, whatever its matrices hold: 300 are taken, and some microseconds
 
 Signal = Recording | FrequencyResponse
@@ -75,7 +78,7 @@ def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) 
     if partial and kept:
         warn("incomplete_file", f"path: {str(path)!r} is incomplete: {found}; what is whole was read.")
         return
-    unsuitable(path, found, wanted, "Copy or export it again" + ", or pass partial=True." * bool(kept))
+    unsuitable(path, found, wanted, "Copy or export it again" + ", or pass partial=True" * bool(kept) + ".")
 
 
 @contextmanager
@@ -85,7 +88,7 @@ def parts_of(path: Path, wanted: str) -> Iterator[None]:
         yield
     except AntiresError:
         raise
-    except (LookupError, TypeError, AttributeError, ArithmeticError, ValueError, RecursionError) as exc:
+    except DAMAGE as exc:
         unsuitable(path, f"which is damaged ({type(exc).__name__}: {exc})", wanted)
 
 

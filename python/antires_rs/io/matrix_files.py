@@ -293,7 +293,10 @@ def read_matrix_market(file: Path) -> dict[str, Labelled]:
         end = "" if text.endswith("\n") else ", the last without a line end"
         raise ValueError(f"{len(rows)} of {count} entries{end}")
     width, n_places = 2 * (not dense) + (kind != "pattern"), 2 * (not dense)
-    numbers = np.loadtxt(rows, comments=None, ndmin=2) if rows else np.empty((0, width))
+    try:
+        numbers = np.loadtxt(rows, comments=None, ndmin=2) if rows else np.empty((0, width))
+    except ValueError as exc:  # behind a semicolon NumPy gives advice to its own callers
+        raise ValueError(str(exc).partition(";")[0]) from None
     places = numbers[:, :n_places]
     odd = ((places < 1) | (places > n) | (places != np.floor(places))).any(axis=1)
     if numbers.shape[1] != width or odd.any():

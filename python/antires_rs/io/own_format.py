@@ -216,7 +216,11 @@ def read_archive(
                 bounded(file, sum(each.file_size for each in members), "a packed archive")
             opened.seek(0)
             held = np.load(opened, allow_pickle=False)
-            return {file.stem: held} if alone else {name: held[name] for name in held.files}
+            arrays = {file.stem: held} if alone else {name: held[name] for name in held.files}
+            odd = next((name for name, each in arrays.items() if not isinstance(each, np.ndarray)), None)
+            if odd is not None:
+                unsuitable(file, f"whose member {odd!r} is no array", wanted)
+            return arrays
     except AntiresError:
         raise
     except Exception as exc:  # of zip, of zlib, of numpy, and of Python's parser, which reads the headers

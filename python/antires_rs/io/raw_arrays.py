@@ -199,7 +199,11 @@ class _Bag:
             said = f"has arrays of three and more axes, {', '.join(cubes)}, which are not read"
             warn("many_axes", f"path: {str(path)!r} {said}.")
         if not self.numeric:
-            unsuitable(path, f"with no numeric array ({self.listed})", "arrays of numbers")
+            unsuitable(
+                path,
+                "without an array of numbers" + f" ({self.listed})" * bool(self.listed),
+                "arrays of numbers",
+            )
 
     def signal(self) -> Signal:
         """What the arrays are."""
@@ -385,7 +389,7 @@ def _rows(name: str, values: Any) -> list[_Row]:
 
 def _listed(arrays: Mapping[str, Any]) -> str:
     """Names and shapes, for a message."""
-    return some((f"{name} {'x'.join(map(str, value.shape))}" for name, value in arrays.items()), 20)
+    return some((f"{name} {'x'.join(map(str, value.shape))}".rstrip() for name, value in arrays.items()), 20)
 
 
 def channels_first(value: NDArray[Any]) -> NDArray[Any]:

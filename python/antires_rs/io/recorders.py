@@ -81,7 +81,8 @@ def channels_of_tdms(path: str, request: dict[str, Any]) -> Answer:
             if len(channel) and asked((f"{group.name}/{channel.name}", channel.name), channel.name, request)
         ]
         if not chosen and request["only"] is not None:
-            raise Unfit("the channels are " + called(c.name for g in file.groups() for c in g.channels()))
+            there = called(c.name for g in file.groups() for c in g.channels())
+            raise Unfit(f"no channel has a name that you gave; they are {there}")
         room(sum(len(channel) for _, channel in chosen), request)
         for name, channel in chosen:
             values = np.asarray(channel[:])
@@ -267,7 +268,7 @@ def traces_of_miniseed(path: str, request: dict[str, Any]) -> Answer:
             one |= {"step_s": float(own.delta), "start": str(own.starttime), "until": str(own.endtime)}
             made.append(one)
     if not made and request["only"] is not None:
-        raise Unfit("the traces are " + called(trace.id for trace in stream))
+        raise Unfit(f"no trace has a name that you gave; they are {called(trace.id for trace in stream)}")
     return answer(made)
 
 

@@ -381,7 +381,8 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         """One of the set's keys."""
         dof = key_of(self.excitation, self.tables, self.channels)("dof", dof)
         if dof not in self.tables:
-            reject("dof", dof, f"one of {tuple(self.tables)}", "Name a dof of the set; those are its keys.")
+            wanted = f"one of {', '.join(map(repr, self.tables))}"
+            reject("dof", dof, wanted, "Name a dof of the set; those are its keys.")
         return dof
 
     @keywords_left(tol_hz="1 % of the value holds")
@@ -570,7 +571,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         try:
             text = Path(path).read_text(encoding="utf-8")
         except UnicodeDecodeError as exc:
-            raise damaged(str(path), exc) from exc
+            raise damaged(str(path), ValueError("it is no text")) from exc
         return cls.from_json(text, str(path))
 
     @classmethod

@@ -212,6 +212,12 @@ class StructuralModel(AroundCore[CoreModel]):
         """Whether only poles and QZ together, each root confirmed, are right: few dofs, K / M far apart."""
         return False
 
+    @property
+    def _middle_is_lost(self) -> bool:
+        """Whether the stiffest dof has no digit of the stiffness of the middle one."""
+        k = np.abs(self.stiffness().diagonal())
+        return bool(np.finfo(np.float64).eps * k.max() > 0.1 * np.median(k[k > 0.0])) if k.any() else False
+
     def _together(self, responses: Sequence[End], force: End) -> list[list[int]]:
         """Places of responses that one core has with the force, core by core."""
         return [list(range(len(responses)))]
@@ -458,7 +464,8 @@ class StructuralModel(AroundCore[CoreModel]):
         ndarray, (n,)
             Hz, ascending, a list of them for a sequence of responses, or of tuples; with ``bounds`` a pair of
             arrays (n,), frequencies and bounds of their errors in Hz, infinite where a root is not certain:
-            too close to others, or moved by more than 1e-3 in frequency squared by rounding of the entries.
+            too close to others, moved by more than 1e-3 in frequency squared by rounding of the entries, or
+            hidden by it in a model of which one dof is so stiff that the middle one has no digit beside it.
             Dropped are roots that are infinite or zero at working precision (an ulp of K and M moves them by
             more than 1e-3 of their own distance from there), negative, or complex (imaginary part above 1e-9
             of the modulus, or above ten times that uncertainty, at most 3e-7).
@@ -498,10 +505,13 @@ class StructuralModel(AroundCore[CoreModel]):
             what = f"antiresonances of {len(rows)} responses"
             return call() if self.n_dof < MANY_DOFS else interruptible(call, what)
 
-        found = self._roots(dofs, force, solve)
-        for dof, (*values, is_zero, is_doubtful) in zip(dofs, found, strict=True):
+        zeros = []
+        for dof, found in zip(dofs, self._roots(dofs, force, solve), strict=True):
+            *values, is_zero, is_doubtful = found
+            if bounds and is_doubtful and self._middle_is_lost:  # a bound of first order says nothing there
+                values[1] = np.full_like(values[1], np.inf)
             _warn_doubts(dof, excitation, self.n_dof, values, is_zero, is_doubtful)
-        zeros = [(values[0], values[1]) if bounds else values[0] for *values, _, _ in found]
+            zeros.append((values[0], values[1]) if bounds else values[0])
         return zeros[0] if is_one else zeros
 
     def simulate(

@@ -105,8 +105,9 @@ def finite_scalar(
 ) -> float:
     """One finite real number inside an interval."""
     left, right = ("(" if low_open else "["), (")" if high_open else "]")
-    bounded = np.isfinite(low) or np.isfinite(high)
-    interval = f" in {left}{low:g}, {high:g}{right}" if bounded else ""
+    interval = f" in {left}{low:g}, {high:g}{right}"
+    if np.isinf(high):
+        interval = "" if np.isinf(low) else f" above {low:g}" if low_open else f" of at least {low:g}"
     wanted = f"a finite number{interval}{' ' + unit if unit else ''}"
     try:
         if isinstance(value, bool | str | bytes) or shape_of(value) != ():
@@ -159,7 +160,7 @@ def choice(name: str, value: Any, options: Sequence[T]) -> T:
 
 def frequency_band(name: str, value: Any, *, low_hz: float, high_hz: float) -> tuple[float, float]:
     """A pair (low, high) in Hz with low < high, inside what the data cover."""
-    wanted = f"a pair (low, high) in Hz with {low_hz:g} <= low < high <= {high_hz:g}"
+    wanted = f"two numbers in Hz, low and high, with {low_hz:g} <= low < high <= {high_hz:g}"
     try:
         if shape_of(value) != (2,):
             raise TypeError
@@ -170,7 +171,7 @@ def frequency_band(name: str, value: Any, *, low_hz: float, high_hz: float) -> t
     slack = 1e-9 * max(high_hz, 1.0)
     if not low_hz - slack <= low < high <= high_hz + slack:  # nor NaN
         remedy = "The lower one comes first." if low >= high else "Narrow the band to the data."
-        reject(name, (low, high), wanted, remedy)
+        reject(name, f"{low:g} to {high:g} Hz", wanted, remedy)
     return low, high
 
 

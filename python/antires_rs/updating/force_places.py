@@ -26,8 +26,8 @@ import numpy as np
 from ..exceptions import AntiresWarning, Argument, reject
 from ..measured.antiresonance_set import AntiresonanceSet, aligned, number
 from ..measured.matching import check_set, paired
-from ..models.structural_model import StructuralModel, checked_model, members
-from ..support.checks import FloatArray, IntArray, finite_scalar, frequency_band, shape_of
+from ..models.structural_model import StructuralModel, checked_model
+from ..support.checks import FloatArray, IntArray, finite_scalar, frequency_band, members, shape_of
 from ..support.progress import patient
 from ..support.values import Value
 

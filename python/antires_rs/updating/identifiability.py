@@ -40,6 +40,8 @@ class Identifiability(Value):
     std: FloatArray
     weak: BoolArray  # whether it is above a tenth of the bounds' distance
     noun: str = "antiresonance"
+    #: As ``std``, but for a common scale, where that alone is not seen: of ratios; None elsewhere.
+    std_of_ratios: FloatArray | None = None
 
     @property
     def notes(self) -> list[str]:
@@ -67,6 +69,18 @@ class Identifiability(Value):
             notes.append(f"{said} within these standard deviations.")
         return notes
 
+    @property
+    def spreads(self) -> list[str]:
+        """Of each value its standard deviation as a text; of values whose ratios are known, of these."""
+        ratios = np.full(len(self.std), np.nan) if self.std_of_ratios is None else self.std_of_ratios
+        said = []
+        for std, ratio in zip(self.std, ratios, strict=True):
+            of_ratio = (
+                f"\u00b1 {ratio:.2g} but for a common scale" if np.isfinite(ratio) else "not determined"
+            )
+            said.append(of_ratio if np.isinf(std) else f"\u00b1 {std:.2g}")
+        return said
+
     def _named(self, which: BoolArray, endings: Iterable[str] | None = None) -> str:
         labels = zip(self.names, endings or [""] * len(self.names), which, strict=True)
         return ", ".join(name + ending for name, ending, chosen in labels if chosen)
@@ -93,19 +107,25 @@ def at_solution(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
     scale = np.array([p.common_scale(value) for p, value in zip(problem.parameters, x, strict=True)]) / width
     length = np.linalg.norm(scale)
     scale_unseen = bool(length > 0 and np.linalg.norm(jacobian @ scale) <= UNSEEN * length)
-    std = _standard_deviations(problem, x, jacobian) * width
+    std, of_ratios = _standard_deviations(problem, x, jacobian) * width
     sensitivity = np.linalg.norm(jacobian, axis=0)
+    blind = sensitivity <= UNSEEN
+    alone = scale_unseen and len(x) - rank - int(blind.sum()) == 1
     weak = np.isfinite(std) & (std > _WEAK * width) & (sensitivity > UNSEEN)
     told = sensitivity, rank, rows[rank:], scale_unseen, std, weak
-    return Identifiability(tuple(problem.names), *told, problem.noun)
+    ratios = np.where(blind, np.nan, of_ratios) if alone else None
+    return Identifiability(tuple(problem.names), *told, problem.noun, ratios)
 
 
 def _standard_deviations(problem: UpdatingProblem, x: FloatArray, jacobian: FloatArray) -> FloatArray:
-    """Standard deviations over the bounds' distances, (n,): sigma times the rows of the pseudo-inverse."""
+    """Standard deviations over the bounds' distances: sigma times the rows of the pseudo-inverse.
+
+    (2, n): infinite along what is not seen, and as if nothing moved along it.
+    """
     std = np.full(len(x), np.nan)
     free = np.flatnonzero(~decided(problem, x) & (problem.bounds[:, 1] > problem.bounds[:, 0]))
     if free.size == 0:
-        return std
+        return np.stack([std, std])
     _, singular, rows = np.linalg.svd(jacobian[:, free], full_matrices=True)
     seen = np.append(singular, np.zeros(len(rows) - len(singular))) > UNSEEN
     residuals = problem.residuals(x)[: len(problem.measured_hz)]
@@ -113,8 +133,9 @@ def _standard_deviations(problem: UpdatingProblem, x: FloatArray, jacobian: Floa
     if spare > 0:
         sigma = np.sqrt(np.sum(residuals**2) / spare)
         std[free] = sigma * np.sqrt(np.sum((rows[seen] / singular[seen[: len(singular)], None]) ** 2, axis=0))
+    held = std.copy()
     std[free[np.any(np.abs(rows[~seen]) > _SHARE, axis=0)]] = np.inf
-    return std
+    return np.stack([std, held])
 
 
 def smallest_visible(problem: UpdatingProblem) -> list[float]:

@@ -237,8 +237,8 @@ class UpdateResult(ReadOnly, Viewed):
     def _values(self) -> list[str]:
         """A line a parameter; results of damage have others."""
         width = max(len(name) for name in self.problem.names)
-        spreads = ["not determined" if np.isinf(std) else f"\u00b1 {std:<8.2g}" for std in self.std]
-        wide = max(map(len, spreads))
+        spreads = self.identifiability.spreads
+        wide = max(10, *map(len, spreads))
         rows = zip(self.problem.names, self.x, spreads, self.problem.bounds, strict=True)
         return [f"{n:<{width}}  {x:#12.6g} {spread:<{wide}} [{a:g}, {b:g}]" for n, x, spread, (a, b) in rows]
 

@@ -20,8 +20,8 @@ from zlib import compress, crc32, decompressobj
 
 import numpy as np
 
-from ..exceptions import reject
-from ..io.common import bounded, most_bytes
+from ..exceptions import AntiresError, reject
+from ..io.common import DAMAGE, bounded, brief, most_bytes
 from ..io.registry import natural
 from ..support.files import written_beside
 from ..support.messages import some, warn
@@ -60,8 +60,10 @@ def _reading(path: Path) -> Iterator[sqlite3.Connection]:
         with closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as db:
             db.text_factory = _text
             yield db
-    except sqlite3.Error as exc:
-        reject("path", f"{str(path)!r}, which cannot be read ({exc})", WANTED, "Name another file.")
+    except AntiresError:
+        raise
+    except (sqlite3.Error, *DAMAGE) as exc:
+        reject("path", f"{str(path)!r}, which cannot be read ({brief(exc)})", WANTED, "Name another file.")
 
 
 def _checksum(values: Iterable[Any]) -> int:
@@ -87,7 +89,7 @@ def _read(path: Path, db: sqlite3.Connection, argument: str) -> tuple[list[Row],
         raise sqlite3.DatabaseError(damage[0])
     rows, lost = _rows(path, db, facts["version"], damage)
     if lost:
-        damage.append(f"{len(lost)} tests {_DAMAGED}: {some(map(repr, lost))}")
+        damage.append(f"{len(lost)} tests are not as they were written: {some(map(repr, lost))}")
     if damage:
         text = f"{argument}: {str(path)!r} is damaged ({'; '.join(damage)}); "
         warn("incomplete_file", text + f"the other {len(rows)} tests were read.")
@@ -112,12 +114,14 @@ def _rows(path: Path, db: sqlite3.Connection, version: int, damage: list[str]) -
     lost = []
     for *values, checksum in dict.fromkeys([*ways[0], *reversed(ways[-1])]):
         name, fingerprint, conditions, time, failed, known, columns = values
-        if version >= VERSION and checksum != _checksum(values):
+        try:
+            if version >= VERSION and checksum != _checksum(values):
+                raise ValueError(_DAMAGED)
+            entry = Entry.kept(name, json.loads(conditions), time, fingerprint)
+            plain = partial(_plain, path, name, crc32(columns or b""))
+            rows[name] = Row.of(entry, failed, json.loads(known or "null"), plain)
+        except DAMAGE:
             lost.append(name)
-            continue
-        entry = Entry.kept(name, json.loads(conditions), time, fingerprint)
-        plain = partial(_plain, path, name, crc32(columns or b""))
-        rows[name] = Row.of(entry, failed, json.loads(known or "null"), plain)
     return list(rows.values()), lost
 
 
@@ -257,12 +261,14 @@ class Store:
                 self._there = rows if self._agrees(path, rows, there) else None
         try:
             self._db, rows = self._opened()
-        except sqlite3.DatabaseError as exc:
+        except AntiresError:
+            raise
+        except (sqlite3.DatabaseError, *DAMAGE) as exc:
             file = repr(str(self._file))
-            if exc.sqlite_errorcode in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
+            if getattr(exc, "sqlite_errorcode", None) in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
                 wanted, remedy = "a store of this process alone", "Wait for it, or stop it first."
                 reject("store", f"{file}, to which another process writes", wanted, remedy)
-            reject("store", f"{file}, which cannot be read ({exc})", WANTED, "Name another file.")
+            reject("store", f"{file}, which cannot be read ({brief(exc)})", WANTED, "Name another file.")
         self._known = {row.name: row for row in [*(self._there or []), *rows]}
 
     def _opened(self) -> tuple[sqlite3.Connection, list[Row]]:

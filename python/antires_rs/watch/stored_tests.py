@@ -23,7 +23,9 @@ import numpy as np
 
 from .._core import __version__
 from ..exceptions import AntiresError, reject
-from ..io.common import brief, require
+from ..io.child_process import Limits, in_a_child
+from ..io.common import DAMAGE, brief, require
+from ..io.table_files import tried_parquet
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.edits import BY_HAND
 from ..measured.response_table import NUMBERS, ResponseTable
@@ -121,7 +123,9 @@ class Entry:
     @classmethod
     def kept(cls, name: str, conditions: Mapping[str, float | None], time: Any, fingerprint: str) -> Entry:
         """Out of a file, in which null stands for NaN."""
-        known = {key: np.nan if value is None else value for key, value in conditions.items()}
+        known = {key: np.nan if value is None else float(value) for key, value in conditions.items()}
+        if not (isinstance(name, str) and isinstance(fingerprint, str)):
+            raise TypeError(f"the name {name!r}")
         return cls(name, known, None if time is None else np.datetime64(time, "ms"), fingerprint)
 
 
@@ -173,7 +177,15 @@ class StoredSets(Sequence[AntiresonanceSet | None]):
         if isinstance(at, slice):
             return StoredSets(self.rows[at])
         row = self.rows[at]
-        return None if row.failed is not None else decoded(row.plain())
+        if row.failed is not None:
+            return None
+        try:
+            return decoded(row.plain())
+        except AntiresError:
+            raise
+        except DAMAGE as exc:
+            got = f"a series whose test {row.name!r} is damaged ({type(exc).__name__}: {brief(exc)})"
+            reject("path", got, WANTED, "Restore the file from a copy, or identify its tests anew.")
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -212,6 +224,8 @@ OF_VALUE = {"dof": "U"} | dict.fromkeys(NUMBERS, "f") | {"source": "U"}
 OF_TEST = {"failed": "U", "count": "n", "fingerprint": "U", "facts": "U"}
 WANTED = "a series that antires_rs wrote"
 Columns = dict[str, list[Any]]
+#: Tables that this process wrote, or that a child read without harm, by what tells their state.
+_TRIED: set[tuple[int, ...]] = set()
 
 
 def pyarrow(what: str = "a series in a file") -> Any:
@@ -229,6 +243,11 @@ def check_format(argument: str, path: Path, facts: Mapping[str, Any], newest: in
     if facts.get("version", newest + 1) > newest:
         got = f"{str(path)!r} of version {facts.get('version')}"
         reject(argument, got, f"{newest}", "Update antires_rs.")
+
+
+def _state(path: Path) -> tuple[int, ...]:
+    found = path.stat()
+    return found.st_dev, found.st_ino, found.st_mtime_ns, found.st_size
 
 
 def write_table(path: Path, rows: Sequence[Row], config: dict[str, Any] | None) -> None:
@@ -266,6 +285,7 @@ def write_table(path: Path, rows: Sequence[Row], config: dict[str, Any] | None) 
                     writer.write_table(table, row_group_size=max(table.num_rows, 1))
         with open(beside, "rb+") as written:
             os.fsync(written.fileno())
+    _TRIED.add(_state(path))
 
 
 def _columns(first: int, rows: Sequence[Row], fields: Iterable[str], conditions: Sequence[str]) -> Columns:
@@ -310,13 +330,16 @@ def _reading(path: Path, argument: str) -> Iterator[None]:
         yield
     except (AntiresError, FileNotFoundError):
         raise
-    except (OSError, LookupError, TypeError, ValueError, pyarrow().ArrowException) as exc:
+    except (OSError, *DAMAGE, pyarrow().ArrowException) as exc:
         got = f"{str(path)!r}, which cannot be read ({brief(exc)})"
         reject(argument, got, WANTED, "Name another file.")
 
 
 def read_table(path: Path, argument: str = "path") -> tuple[list[Row], dict[str, Any] | None]:
     """The tests of a file, and what :func:`~antires_rs.identify_series` was called with."""
+    if (state := _state(path)) not in _TRIED:
+        in_a_child(tried_parquet, path, WANTED, Limits(120.0, 8.0))
+        _TRIED.add(state)
     with _reading(path, argument):
         return _rows_of_table(path, argument)
 
@@ -349,7 +372,7 @@ class _Sets:
     """The sets in a file, by row groups."""
 
     def __init__(self, path: Path, in_group: int) -> None:
-        self._path, self._in_group, self._state = path, in_group, path.stat()
+        self._path, self._in_group, self._state = path, in_group, _state(path)
         self._group = lru_cache(HELD)(self._read)
 
     def plain(self, nth: int) -> Plain:
@@ -366,8 +389,7 @@ class _Sets:
 
     def _read(self, group: int) -> tuple[Columns, list[int]]:
         """Columns of a row group, and where its tests begin."""
-        state = self._path.stat()
-        if (state.st_ino, state.st_mtime_ns) != (self._state.st_ino, self._state.st_mtime_ns):
+        if _state(self._path) != self._state:
             got = f"{str(self._path)!r}, which was written anew"
             reject("path", got, "the file that this series was loaded from", "Load it again.")
         file = pyarrow().parquet.ParquetFile

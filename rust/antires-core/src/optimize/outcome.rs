@@ -64,7 +64,7 @@ impl Status {
     /// The status in a sentence.
     pub fn message(self) -> &'static str {
         match self {
-            Self::Agreed => "The islands' best individuals agree in their genes.",
+            Self::Agreed => "All searches ended at one solution.",
             Self::CostAgreed => {
                 "The islands' best individuals agree in cost but not in genes: \
                  several solutions are equally good."

@@ -1,0 +1,77 @@
+"""Every message that the package writes, of library and command line, on one page: to be read in one go."""
+
+import ast
+from pathlib import Path
+
+import antires_rs
+from tests.support.snapshots import compare
+
+ROOT = Path(antires_rs.__file__).parent
+#: Calls that say something, and which of their arguments are said.
+SAYING = {"reject": slice(0, 4), "unsuitable": slice(1, 4), "warn": slice(1, 2), "missing_part": slice(1, 3)}
+SAYING |= {"bounded": slice(2, 3), "refuse": slice(0, 4), "Unfit": slice(0, 1), "NothingFound": slice(0, 4)}
+SAYING |= dict.fromkeys(
+    ("UnsuitableDataError", "InvalidInputError", "Refused", "MissingDependencyError"), slice(0, 4)
+)
+
+
+def said(node, known):
+    """A text of the source with what is put into it in braces; of names what they were last given."""
+    match node:
+        case ast.Constant(value=str(text)):
+            return text
+        case ast.JoinedStr(values=parts):
+            return "".join(said(part, known) for part in parts)
+        case ast.FormattedValue(value=ast.Name(id=name)) if name in known and known[name] is not node:
+            return said(known.pop(name), known) or f"{{{name}}}"
+        case ast.FormattedValue(value=value):
+            return f"{{{ast.unparse(value)}}}"
+        case ast.BinOp(left=left, op=ast.Add(), right=right):
+            return said(left, known) + said(right, known)
+        case ast.IfExp(body=one, orelse=other):
+            return f"<{said(one, known)} | {said(other, known)}>"
+        case ast.Name(id=name) if name in known:
+            return said(known[name], {**known, name: ast.Constant(f"{{{name}}}")})
+    return f"{{{ast.unparse(node)}}}"
+
+
+def assigned(nodes):
+    """Texts that names are given, line by line, those of ``+=`` added."""
+    known = {}
+    for node in nodes:
+        if isinstance(node, ast.Assign):
+            for target in node.targets:
+                pairs = [(target, node.value)]
+                if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple):
+                    pairs = list(zip(target.elts, node.value.elts, strict=False))
+                known |= {one.id: value for one, value in pairs if isinstance(one, ast.Name)}
+        elif isinstance(node, ast.AugAssign) and getattr(node.target, "id", None) in known:
+            known[node.target.id] = ast.BinOp(known[node.target.id], ast.Add(), node.value)
+    return known
+
+
+def messages_of(tree):
+    """Place and text of every message of a module."""
+    constants = assigned(tree.body)
+    for function in ast.walk(tree):
+        if isinstance(function, ast.FunctionDef):
+            calls = [node for node in ast.walk(function) if isinstance(node, ast.Call)]
+            given = [node for node in ast.walk(function) if isinstance(node, ast.Assign | ast.AugAssign)]
+            for node in sorted(calls, key=lambda call: call.lineno):
+                if (name := getattr(node.func, "id", "")) in SAYING:
+                    before = sorted(
+                        (each for each in given if each.lineno <= node.lineno), key=lambda g: g.lineno
+                    )
+                    known = constants | assigned(before)
+                    parts = [said(each, dict(known)) for each in node.args[SAYING[name]]]
+                    yield function.name, name, " / ".join(parts)
+
+
+def test_all_messages():
+    found = {}
+    for path in sorted(ROOT.rglob("*.py")):
+        for function, name, text in messages_of(ast.parse(path.read_text(encoding="utf-8"))):
+            where = f"{path.relative_to(ROOT).as_posix()} {function} {name}"
+            found.setdefault(where, {})[" ".join(text.split())] = None
+    lines = {f"{where} {i}": text for where, texts in found.items() for i, text in enumerate(texts, 1)}
+    compare(Path(__file__).with_name("messages.txt"), lines)
