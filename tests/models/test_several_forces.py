@@ -139,7 +139,9 @@ def test_a_model_is_updated_from_two_unknown_forces_and_one_beside_them():
         problem = ar.UpdatingProblem(model, parameters, [minors(truth, (0, 4), rng, std=1e-6, n=6), *more])
         result = ar.update(problem, rng=0)
         assert result.table.largest_before_percent > 1.0 > 0.01 > result.table.largest_after_percent
-        assert "(mass 0, mass 4)" in str(result.table)
+        heading, first, *_ = str(result.table).splitlines()
+        assert (heading.split()[:2], first.split()[:2]) == (["det", "H_IJ"], ["(I,", "J)"])
+        assert "(mass 0, mass 1), (mass 0, mass 4)" in str(result.table)
 
 
 def test_damage_is_found_between_two_tests_with_two_unknown_forces():
