@@ -160,7 +160,7 @@ def test_a_plan_weighs_two_forces_at_once_against_one():
     model = ar.cases.chain8().model
     plan = ar.plan_test(model, n_sensors=4, excitations=[0, (0, 4)], std=5e-4)
     assert plan.excitation == (0, 4)
-    assert "force at mass 0 and mass 4" in str(plan)
+    assert "force at mass 0, mass 4" in str(plan)
     assert {*plan.excitations} == {0, (0, 4)}
     assert all(len(end) == 2 for end in plan.value_std)
     every = ar.plan_test(model, n_sensors=8, excitations=[(0, 4)], std=5e-4)
