@@ -142,3 +142,12 @@ def test_the_page_is_turned_read_and_moved_in_a_browser(tmp_path):
         page.wait_for_function(f"first => {picture} !== first", arg=first)
         assert watched.elsewhere == []
         assert watched.wrong == []
+
+
+def test_dofs_that_are_not_there_are_named_as_they_were_given():
+    model = meshed("S4", KINDS["S4"][0])
+    for given, said in (({"sensors": ["109:Z"]}, r"sensors\[0\]"), ({"excitation": "109:Z"}, "excitation")):
+        with pytest.raises(ar.InvalidInputError, match=said):
+            ar.figures.plot_mesh(model, **given)
+    arrows = [mark for mark in seen(scene(model, None, ["101:Z"], "107:X")).marks if hasattr(mark, "tails")]
+    assert [mark.halo for mark in arrows] == [True, True]  # seen on dark faces

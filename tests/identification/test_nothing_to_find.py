@@ -2,12 +2,14 @@
 
 import re
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.identification.scores import without_common
+from antires_rs.identification.scores import with_second, without_common
+from antires_rs.measured.response_table import ResponseTable, doubts_of
 from reference import nothing_to_find, structures
 from tests.support.campaign import some_of
 
@@ -54,6 +56,18 @@ def test_it_says_so_and_why(case, seed):
     if name != "one_force":
         assert not grades
         assert "nothing_found" in about
+
+
+def test_a_record_too_short_for_its_resonances_leaves_nothing_sure():
+    columns = {"rows": [30], "spread": [1e-4], "dominance": [1.0], "how": "chain"}
+    table = ResponseTable.of_sweep([10.0], [0.01], **columns).with_scores(grade=np.array(["sure"]))
+    short = ar.Finding(
+        "record_length", "fatal", (), 0.5, 2.0, "The record is too short.", "Record for longer."
+    )
+    for finding, grade in ((short, "weak"), (replace(short, severity="warning"), "sure")):
+        checked = ar.DataCheck((finding,), {}, (0, 1), 0, BAND)
+        assert with_second(table, checked).scores["grade"].tolist() == [grade]
+    assert "record too short" in doubts_of(with_second(table, ar.DataCheck((short,), {}, (0, 1), 0, BAND)))[0]
 
 
 def test_an_ambient_record_is_not_of_one_force():

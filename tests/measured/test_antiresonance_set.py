@@ -14,6 +14,7 @@ import antires_rs as ar
 from antires_rs.identification.scores import graded
 from antires_rs.measured.antiresonance_set import AntiresonanceSet
 from antires_rs.measured.response_table import ResponseTable
+from antires_rs.support.checks import Dofs, forces_at, label_text
 from tests.support.refusals import each_of, refused
 from tests.support.same_sets import assert_same_set
 
@@ -345,3 +346,10 @@ def test_minors_are_reciprocal_when_a_hammer_roves():
 )
 def test_what_is_no_set_of_several_forces_is_refused(excitation, values, said):
     refused(said, ar.AntiresonanceSet, excitation, values)
+
+
+def test_several_dofs_have_one_spelling():
+    pair = Dofs([1, 5])
+    assert (label_text(3), label_text(pair), label_text(pair, listed=True)) == ("3", "1, 5", "(1, 5)")
+    assert label_text((1, 5), "mass {}".format) == "mass 1, mass 5"
+    assert (str(pair), forces_at(pair), forces_at(3)) == ("1, 5", "forces at 1, 5", "force at 3")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from antires_rs.updating.problem import explained
 from antires_rs.updating.targets import complex_zeros
 from reference.symmetric_structures import cases, true_zeros
 from tests.support.campaign import some_of
@@ -130,3 +131,16 @@ def test_intact_symmetric_structures_are_undamaged_and_their_damage_is_as_visibl
     for element, least in result.detectable.items():
         low, high = sorted([least, other.detectable[element]])
         assert low > 0.3 or high < 1.2 * low
+
+
+def test_what_cancels_in_a_frame_in_space_needs_no_partner_among_values_without_an_origin():
+    nodes = [[0, 0, 0], [0, 0, 0.5], [0, 0, 1], [0.5, 0, 1], [1, 0, 1], [1.3, 0, 0.6], [1.6, 0, 0.2]]
+    tube = ar.Tube(0.05, 0.002, 2.1e11, 7850.0)
+    frame = ar.FrameModel(nodes, [[i, i + 1] for i in range(6)], tube, fixed=[0])
+    dofs = [frame.dof(node, "u") for node in (2, 3, 5)]  # in its plane: what bends out of it is not shaken
+    values = {k: hz[hz < 700.0] for k, hz in zip(dofs, frame.antiresonances(dofs, dofs[1]), strict=True)}
+    for sees in (None, "frf", "transmissibility"):
+        measured = ar.AntiresonanceSet(dofs[1], values, sees=sees)
+        found = explained(ar.UpdatingProblem(frame, ar.stiffness_reduction([1, 2, 3]), measured), np.zeros(3))
+        assert found.enough
+        assert found.n_roots == found.n_values == found.n_paired

@@ -15,11 +15,11 @@ from ..exceptions import reject
 from ..support.checks import FloatArray
 from ..support.progress import step
 from ..updating.posterior import between, log_between
-from ..updating.problem import Pairs, hint_between_states, roots_between
+from ..updating.problem import Pairs, hint_between_states, roots_between, shown_in_frfs
 from ..updating.reduced_model import ReductionReport
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together, without_idle
 from .likelihood import ERRORS, Likelihood, Prepared, Question, ValueLikelihood, View
-from .measured_states import Values, mostly_risen, roots_at
+from .measured_states import Responses, Values, mostly_risen, roots_at
 from .options import DamagePrior
 from .reduced_roots import TOLERANCE, ReducedRoots
 from .shapes import BOUNDS, CRACKED, Found, Shaped
@@ -825,11 +825,14 @@ def learned_from(
     gain_std = max(error.gain_std, _ERRS * error.s)
     smallest = smallest_found(slopes, prior, gain_std, np.array(others) if others else None)
     own = [prepared.responses.tests[nth] for nth in intact.tests.tolist()]
-    between = [
-        roots_between(intact.response[at], intact.log_f[at], error.intact.response, error.intact.log_f)
-        for at in (intact.test == test for test in intact.tests)
-        if type(intact) is Values  # modes have shapes
-    ]
+    between = []
+    if isinstance(prepared.responses, Responses):  # modes have shapes
+        there = error.intact.response, error.intact.log_f
+        kept = shown_in_frfs(prepared.responses.parts, *there)
+        for test in intact.tests:
+            at = intact.test == test
+            values = intact.response[at], intact.log_f[at]
+            between.append(roots_between(*values, there[0][kept], there[1][kept]))
     return Learned(
         factors=likelihood.factors,
         tau=error.tau,

@@ -239,8 +239,6 @@ def lines_of(
     if use_force:
         # A force cell is far quieter than the responses: what a line is worth, the responses tell.
         snr = response_vectors(spectra.matrix[:, :FORCE, :FORCE])[1]
-    length = averages.nperseg
-    independent = 1.0 if length is None else min(1.0, source.n_samples / length / spectra.n_effective)
     white = vectors / np.sqrt(noise)[:, None]
     scale = 1.0 / np.sqrt(noise)
     if use_force:
@@ -268,9 +266,7 @@ def lines_of(
             snr,
             spectra.added_decay_per_s,
             segments,
-            independent,
-            spectra.n_averages / spectra.n_effective,
-            spectra.draws,
+            *averages.scatter,
         )
 
     return lines

@@ -215,7 +215,7 @@ def subspaces(averages: Averages, order: int) -> Subspaces:
 
 def lines_of_minors(averages: Averages, some: Subspaces, rows: NDArray[np.intp]) -> Lines:
     """The vectors of some minors, with what each segment would move them by as segments of unit noise."""
-    spectra, length = averages.spectra, averages.nperseg
+    spectra = averages.spectra
     vectors = some.minors(rows)
     snr = 1.0 / some.noise
     size = np.sqrt(snr)[:, None]
@@ -237,9 +237,7 @@ def lines_of_minors(averages: Averages, some: Subspaces, rows: NDArray[np.intp])
         snr * share,
         spectra.added_decay_per_s,
         segments,
-        1.0 if length is None else min(1.0, averages.rec.n_samples / length / spectra.n_effective),
-        spectra.n_averages / spectra.n_effective,
-        spectra.draws,
+        *averages.scatter,
         least_snr=LEAST_SNR,
         order=some.order,
     )

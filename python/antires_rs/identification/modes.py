@@ -129,16 +129,9 @@ def identify_modes(
     choice("route", route, ("auto", "frf", "responses"))
     averaging = Averaging(nperseg, method=method).checked()
     choice("estimator", estimator, ("h1", "h2", "hv"))
-    rule = FitOptions(
-        freq_tol=freq_tol,
-        damping_tol=damping_tol,
-        min_rows=min_rows,
-        max_damping=max_damping,
-        min_dominance=min_dominance,
-    ).checked()
-    max_order = integer("max_order", max_order, low=2)
-    min_order = integer("min_order", min_order, low=1, high=max_order)
-    rule.check_span(min_order, max_order)
+    accepted = {"freq_tol": freq_tol, "damping_tol": damping_tol, "min_rows": min_rows}
+    accepted |= {"max_damping": max_damping, "min_dominance": min_dominance}
+    rule, orders = FitOptions.of_sweep(min_order, max_order, **accepted)
     available = covered_hz(source)
     band = band_of(source, band_hz)
     if isinstance(source, Recording):
@@ -157,7 +150,7 @@ def identify_modes(
         def curves_in(lines_hz: tuple[float, float]) -> Curves:
             return _of_frfs(source, lines_hz, 0.0)
 
-    found = _stabilized(curves_in(band), band, (min_order, max_order), rule)
+    found = _stabilized(curves_in(band), band, orders, rule)
     around = (max(band[0] / BELOW, available[0]), min(band[1] * ABOVE, available[1]))
     shapes = np.empty((0, len(source.dofs)), dtype=np.complex128)
     if found.identified.size:

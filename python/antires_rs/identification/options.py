@@ -193,6 +193,15 @@ class FitOptions(Options):
             np.abs(damping - own) <= self.damping_tol * abs(own) + least
         )
 
+    @classmethod
+    def of_sweep(cls, min_order: Any, max_order: Any, **given: Any) -> tuple[FitOptions, tuple[int, int]]:
+        """Options of a sweep over orders, and the lowest and highest of these, checked."""
+        rule = cls(**given).checked()
+        most = integer("max_order", max_order, low=2)
+        least = integer("min_order", min_order, low=1, high=most)
+        rule.check_span(least, most)
+        return rule, (least, most)
+
     def check_span(self, min_order: int, max_order: int) -> None:
         """Refuse orders among which no chain could be long enough."""
         if max_order - min_order < self.min_rows:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ..measured.response_table import ResponseTable
 from ..signals.averaging import MOST_LINES
-from ..support.checks import ComplexArray, FloatArray, integer
+from ..support.checks import ComplexArray, FloatArray
 from ..support.progress import one_blas_thread
 from ..support.values import ReadOnly, frozen
 from ..views import Viewed
@@ -237,16 +237,9 @@ def stabilization(
     >>> ar.stabilization(f, t, max_order=30).identified.round(2).tolist()
     [5.0, 10.0]
     """
-    rule = FitOptions(
-        freq_tol=freq_tol,
-        damping_tol=damping_tol,
-        min_rows=min_rows,
-        max_damping=max_damping,
-        min_dominance=min_dominance,
-    ).checked()
-    max_order = integer("max_order", max_order, low=2)
-    min_order = integer("min_order", min_order, low=1)
-    rule.check_span(min_order, max_order)
+    accepted = {"freq_tol": freq_tol, "damping_tol": damping_tol, "min_rows": min_rows}
+    accepted |= {"max_damping": max_damping, "min_dominance": min_dominance}
+    rule, (min_order, max_order) = FitOptions.of_sweep(min_order, max_order, **accepted)
     freq, array, weight = prepare(freq_hz, values, max_order, band_hz, weights, "max_order")
     band = (float(freq[0]), float(freq[-1])) if band_hz is None else (float(band_hz[0]), float(band_hz[1]))
     sweep = PoleSweep(NestedFit(freq, array, weight, max_order))

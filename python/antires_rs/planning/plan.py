@@ -150,7 +150,8 @@ class SensorPlan(ReadOnly, Viewed):
             lines.append(f"values known to {' to '.join(dict.fromkeys(ends))} %: {self.errors}")
         if len(self.excitations) > 1:
             best = list(self.excitations.items())[:_FORCES]
-            forces = [f"{self.labels[dof]} {self._value(value)}" for dof, value in best]
+            names = {dof: f"({own})" if isinstance(dof, tuple) else own for dof, own in self.labels.items()}
+            forces = [f"{names[dof]} {self._value(value)}" for dof, value in best]
             lines.append(f"forces: {', '.join(forces)}")
         if self.detectable:
             both = self.detectable, self.detectable_by_all

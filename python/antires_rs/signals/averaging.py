@@ -529,6 +529,13 @@ class Averages:
         """The record that was averaged, less the hum."""
         return self.correlation.rec
 
+    @property
+    def scatter(self) -> tuple[float, float, NDArray[np.int64] | None]:
+        """Independent lines over all, segments over independent averages, and the draw of each segment."""
+        n = self.spectra.n_effective
+        lines = 1.0 if self.nperseg is None else min(1.0, self.rec.n_samples / self.nperseg / n)
+        return lines, self.spectra.n_averages / n, self.spectra.draws
+
 
 def holds_hits(rec: Recording, options: Averaging, band_hz: tuple[float, float] | None = None) -> bool:
     """Whether a record is to be transformed impact by impact."""

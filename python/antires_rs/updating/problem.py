@@ -18,9 +18,18 @@ from ..models.parameters import Parameter, parameter_name, parameter_tuple, warn
 from ..models.structural_model import StructuralModel, checked_model
 from ..optimize.checkpoint import digest_of
 from ..optimize.island_ga import thread_count
-from ..support.checks import FloatArray, IntArray, choice, finite_scalar, integer, real_array, shape_of
+from ..support.checks import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    choice,
+    finite_scalar,
+    integer,
+    real_array,
+    shape_of,
+)
 from ..support.values import AroundCore, ReadOnly, frozen
-from .targets import AntiresonanceTargets, FrequencyTable, ModalTable, ModalTargets, Targets, targets_of
+from .targets import AntiresonanceTargets, FrequencyTable, ModalTable, ModalTargets, Part, Targets, targets_of
 
 Misfit = Literal["absolute", "squared", "largest"]
 
@@ -479,7 +488,10 @@ def explained(problem: UpdatingProblem, x: FloatArray, *, doubted: bool = False)
     if isinstance(targets, AntiresonanceTargets):
         target, hz, shown, _ = problem._core.states(np.ascontiguousarray(x)[None], False, 1)[0]
         seen = (shown >= 0.5) & (hz > 0.0)
-        found = _paired(_values(targets), (target[seen].astype(np.intp), np.log(hz[seen])))
+        values, roots = _values(targets), (target[seen].astype(np.intp), np.log(hz[seen]))
+        kept = shown_in_frfs(targets.parts, *roots)
+        n_roots = roots_between(*values, roots[0][kept], roots[1][kept])
+        found = replace(_paired(values, roots), n_roots=n_roots)
     else:
         near = np.abs(np.log(problem.paired_hz(x) / problem.measured_hz)) <= NEAR  # NaN without a partner
         alike = near & (problem.paired_mac(x) >= _SAME_SHAPE)
@@ -505,6 +517,24 @@ def _paired(values: Pairs, roots: Pairs) -> Explained:
     std, alone, none = np.full(values[1].size, 0.5 * NEAR), 2.0, np.zeros(roots[1].size)
     partner = _core.associate(*values, std, *roots, none, alone, none)
     return Explained(values[1].size, roots_between(*values, *roots), int((partner >= 0).sum()))
+
+
+#: Largest difference (ln f) of a root that several responses share: one of the whole structure.
+_SHARED = 1e-7
+
+
+def shown_in_frfs(parts: Sequence[Part], of_root: IntArray, roots: FloatArray) -> BoolArray:
+    """Which roots, in ln f, must have a partner among values of unknown origin, (n,).
+
+    A resonance that all responses of a set share cancels in their FRFs: it may have one.
+    """
+    kept = np.ones(roots.size, dtype=bool)
+    for number in {part[4] for part in parts if part[3] is None}:
+        rows = [of_root == i for i, part in enumerate(parts) if part[4] == number]
+        for own in rows if len(rows) > 1 else []:
+            apart = [np.abs(roots[own][:, None] - roots[at]).min(axis=1, initial=np.inf) for at in rows]
+            kept[own] = np.max(apart, axis=0) > _SHARED
+    return kept
 
 
 def roots_between(response: IntArray, values: FloatArray, of_root: IntArray, roots: FloatArray) -> int:
