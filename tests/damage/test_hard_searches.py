@@ -57,6 +57,9 @@ def test_two_damages_are_found_from_five_values(seed):
 def test_one_damage_is_found_and_an_intact_structure_is_not_accused(count, seed):
     assert few_values(seed, {}, count).damaged == []
     assert few_values(seed, {seed % 6: 0.3}, count).damaged == [seed % 6]
+
+
+def test_one_value_locates_no_damage():
     single = few_values(320, {2: 0.3}, 1)
     assert max(single.probability.values()) < 0.9
     assert any(note.startswith("1 value cannot locate damage.") for note in single.notes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from unittest.mock import Mock
 
 import numpy as np
@@ -62,6 +63,17 @@ def cracked(element, share, loss):
     return ar.FrameModel([*PLACES, at, at], lines, BAR, **options)
 
 
+CRACK = (0, 3, 0.2, 0.3)  #: Seed, element, place as a share of it, loss.
+
+
+@cache
+def of_crack(seed, element, share, loss):
+    """What is measured before and after, and what is found."""
+    rng = np.random.default_rng(seed)
+    now, before = measured(cracked(element, share, loss), rng), measured(PLAIN, rng)
+    return before, now, ar.assess_damage(PLAIN, now, baseline=before)
+
+
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.85])
 def test_a_hinge_in_the_matrices_is_one_between_two_nodes(share):
     """Against a beam that is cut in two and joined by a rotational spring."""
@@ -78,10 +90,9 @@ def test_a_hinge_in_the_matrices_is_one_between_two_nodes(share):
     assert PLAIN.modes(3).freq_hz != pytest.approx(by_nodes.modes(3).freq_hz, rel=5e-3)
 
 
-@pytest.mark.parametrize(("seed", "element", "share", "loss"), [(0, 3, 0.2, 0.3), (1, 6, 0.8, 0.2)])
+@pytest.mark.parametrize(("seed", "element", "share", "loss"), [CRACK, (1, 6, 0.8, 0.2)])
 def test_a_crack_is_found_in_its_element_with_its_place(seed, element, share, loss):
-    rng = np.random.default_rng(seed)
-    result = assessed(cracked(element, share, loss), PLAIN, rng)
+    *_, result = of_crack(seed, element, share, loss)
     best = result.hypotheses[0]
     assert best.elements == (element,)
     assert best.kind == "crack"
@@ -256,12 +267,9 @@ def test_what_springs_yield_is_learned_from_the_baseline():
 
 
 def test_an_assessor_finds_the_crack_from_its_tables():
-    rng = np.random.default_rng(0)
-    before, now = measured(PLAIN, rng), measured(cracked(3, 0.2, 0.3), rng)
+    before, now, result = of_crack(*CRACK)
     assessor = ar.Assessor(PLAIN, baseline=before)
-    best, full = (
-        one.hypotheses[0] for one in (assessor.assess(now), ar.assess_damage(PLAIN, now, baseline=before))
-    )
+    best, full = (one.hypotheses[0] for one in (assessor.assess(now), result))
     assert best.kind == full.kind == "crack"
     assert best.elements == full.elements == (3,)
     assert abs(best.severities[0] - full.severities[0]) < 0.05
@@ -277,7 +285,7 @@ def test_an_assessor_finds_the_crack_from_its_tables():
 
 
 def test_cracks_have_the_same_intervals_by_either_method_and_no_profile():
-    result = assessed(cracked(3, 0.2, 0.3), PLAIN, np.random.default_rng(0))
+    *_, result = of_crack(*CRACK)
     sure = result.intervals("ensemble", rng=0)
     assert (sure[3], "Cracks are not sampled" in str(sure)) == (result.interval[3], True)
     with pytest.raises(ar.InvalidInputError, match="wanted a loss of a whole element"):

@@ -10,6 +10,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.damage.inference import Search
+from antires_rs.damage.likelihood import Question
 from tests.damage.test_modes import measured as modes
 from tests.support.campaign import some_of
 from tests.support.refusals import each_of, refused
@@ -183,8 +184,8 @@ def test_the_likelihood_has_no_cliff_where_two_roots_of_the_model_meet(level):
         freq = {dof: f * (1.0 + 5e-4 * rng.standard_normal(len(f))) for dof, f in exact.items()}
         std = {dof: 5e-4 * f for dof, f in freq.items()}
         sets.append(ar.AntiresonanceSet(exact.excitation, freq, std_hz=std))
-    result = ar.assess_damage(case.model, sets[1], baseline=sets[0], elements=[CRACKED])
-    likelihood = result._question.prepared(1).likelihood
+    question = Question(case.model, (sets[0],), (sets[1],), (CRACKED,), ar.DamagePrior())
+    likelihood = question.prepared(1).likelihood
     grid = np.arange(0.80, 0.94, 0.005)
     betas = np.zeros((grid.size, likelihood.n))
     betas[:, 0] = grid

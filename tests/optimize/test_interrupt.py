@@ -54,7 +54,7 @@ chain = ar.MassSpringChain(np.ones(n), np.full(n - 1, 1e4))
 # exit by the signal.
 IDENTIFY = """
 import scipy.signal
-record = case.experiment(0, rng=0, duration_s=800.0)
+record = case.experiment(0, rng=0, duration_s=2400.0)
 """ + RAISES.format(code="while True: ar.identify_antiresonances(record, excitation=0, band_hz=case.band_hz)")
 GOOD = "interrupted False True True"
 
