@@ -420,7 +420,9 @@ def identify_antiresonances(
         behind = independent_averages(averages.spectra)
     if behind is not None:
         tables = {dof: t.with_scores(averages=np.full(len(t), behind)) for dof, t in tables.items()}
-    held_back: dict[str, Any] = {} if misfit is None else {"held_back_misfit": float(f"{misfit:.3g}")}
+    held_back: dict[str, Any] = {}
+    if misfit is not None and np.isfinite(misfit):
+        held_back["held_back_misfit"] = float(f"{misfit:.3g}")
     if parts[0].silent:
         held_back["silent"] = [list(dof) for dof in parts[0].silent]
     of_size = options.formulation == "windows" and lines_for(0).size is not None

@@ -552,7 +552,8 @@ def misfit_ahead(cuts: Sequence[tuple[Lines, Likeliest]]) -> float:
     averages.
     """
     off = np.concatenate([_off(lines, best) for lines, best in cuts])
-    return max(float(np.median(part)) for part in np.array_split(off, PARTS) if part.size)
+    parts = (float(np.median(part)) for part in np.array_split(off, PARTS) if part.size)
+    return max(parts, default=np.inf)
 
 
 def _off(lines: Lines, best: Likeliest) -> FloatArray:

@@ -57,9 +57,9 @@ def order_scatter(s: ComplexArray, roots: Sequence[ComplexArray], count: Any = 1
             nearest = every[np.argmin(np.abs(every - s[:, None]), axis=1)]
             near = np.abs(nearest - s) <= most
             row[near] = np.abs(np.abs(nearest) - np.abs(s))[near]
-        for i in several.tolist():
-            about = every[np.argsort(np.abs(every - s[i]))[: count[i]]]
-            row[i] = min(most[i], abs(abs(complex(about.mean())) - abs(complex(s[i]))))
+            for i in several.tolist():
+                about = every[np.argsort(np.abs(every - s[i]))[: count[i]]]
+                row[i] = min(most[i], abs(abs(complex(about.mean())) - abs(complex(s[i]))))
     shifts.sort(axis=0)
     shifts[-1] = np.minimum(shifts[-1], LARGEST * shifts[-2])
     return np.asarray(np.sqrt(np.mean(shifts**2, axis=0)) / (2 * np.pi))
@@ -213,9 +213,7 @@ def _candidates(
 APART = 3.0  # standard deviations of the squared half distance that tell two roots apart
 SECOND = 0.3  # of the second order in damping a half distance may be this share of the decay
 WIDEST_SPLIT = 0.06  # roots further apart, as a share of the frequency, are no halves
-BETTER_KNOWN = (
-    0.25  # largest standard deviation of the mean over that of each root: their errors are opposite
-)
+BETTER_KNOWN = 0.25  # the mean's standard deviation over that of each root, at most: errors are opposite
 
 
 def _joined(
