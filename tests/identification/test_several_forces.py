@@ -194,16 +194,15 @@ def test_curves_measured_one_force_after_the_other(kind):
     assert found.channels == tuple(range(8))
 
 
-@pytest.mark.parametrize("hits", [False, True])
-def test_records_of_one_force_after_the_other(hits):
-    """Pooled, their spectra have the rank of their number."""
+@pytest.mark.parametrize(("hits", "least"), [(0, 66), (2, 25), (4, 66)])
+def test_records_of_one_force_after_the_other(hits, least):
+    """Pooled, their spectra have the rank of their number; two hits at each place are few."""
     one = hit if hits else (lambda place, seed: record_of(CHAIN, (place,), 120.0, 0.01, seed))
-    places = (0, 4) * 4 if hits else (0, 4)
-    found = quiet([one(place, seed) for seed, place in enumerate(places)], [0, 4])
+    found = quiet([one(place, seed) for seed, place in enumerate((0, 4) * max(hits, 1))], [0, 4])
     said = verdict(found, STIFFNESS, MASS, BAND)
-    assert said.found >= 66
-    assert said.false <= 1
-    assert np.median(np.abs(said.off)) < 3e-4
+    assert said.found >= least
+    assert said.false <= 2
+    assert np.median(np.abs(said.off)) < 2e-3
 
 
 # -- How many act
