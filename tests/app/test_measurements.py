@@ -115,7 +115,7 @@ def test_init_with_the_file_of_a_model_leaves_nothing_to_fill_in(tmp_path, capsy
     written = tomllib.loads(job.read_text())
     assert written["model"] == {"kind": "matrices", "file": "model.npz"}
     assert written["damage"] == {"baseline": "intact.json"}
-    assert written["data"] == {"file": "now.json", "excitation": "3:Z"}
+    assert written["data"] == {"file": "now.json"}
     assert cli.main([*call, "--overwrite", "--model", "matrixes"]) == 2
     assert "Give chain, frame, matrices, result, or the .npz" in capsys.readouterr().err
     assert cli.main(["damage", str(job)]) == 0
