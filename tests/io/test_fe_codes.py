@@ -15,6 +15,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.app.main import main as antires
+from antires_rs.damage.likelihood import factors_of
 from antires_rs.io import calculix
 from antires_rs.io.matrix_files import completed
 from tests.support.paths import EXAMPLES, ROOT
@@ -74,6 +75,15 @@ def test_parameters_and_candidates_go_by_the_name_of_a_group():
     refused("an unknown group; wanted factors by group: 'web'", model.with_group_factors, {"rib": 2.0})
     refused(r"factors\['web'\]: got 0.0", model.with_group_factors, {"web": 0.0})
     assert model.with_group_factors({}) is model
+
+
+def test_terms_of_one_thickness_are_wrong_together_or_not_at_all():
+    def hull(e=3.0, t=2.0):
+        return np.diag([e, t + t**3]), np.array([[t + t**3, 0.4 * t**3], [0.4 * t**3, 2.0 * t]])
+
+    model = ar.read_model(hull, groups=["e", "t"])
+    assert [power for _, power in model.groups["t"].mass_powers] == [1, 3]
+    assert [(p.quantity, p.terms) for p in factors_of(model)] == [("stiffness_factor", (0,))]
 
 
 def test_what_is_no_sum_of_terms_is_refused_with_what_is_left():
