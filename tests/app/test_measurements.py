@@ -98,6 +98,32 @@ def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
     assert "dofs" not in tomllib.loads(job.read_text())["data"]
 
 
+def test_init_with_the_file_of_a_model_leaves_nothing_to_fill_in(tmp_path, capsys):
+    springs = [np.diag([1.0, 0.0, 0.0]), np.diag([1.0, 1.0, 0.0]), np.diag([0.0, 1.0, 1.0])]
+    springs[1][0, 1] = springs[1][1, 0] = springs[2][1, 2] = springs[2][2, 1] = -1.0
+    names = ["1:Z", "2:Z", "3:Z"]
+    terms = dict(zip(("foot", "web", "tip"), 1e5 * np.array(springs), strict=True))
+    model = ar.MatrixModel(sum(terms.values()), np.eye(3), stiffness_terms=terms, dofs=names)
+    ar.write_matrices(tmp_path / "model.npz", model)
+    for state, loss in (("intact", 0.0), ("now", 0.4)):
+        worn = model.with_parameters(ar.stiffness_reduction("web"), loss)
+        zeros = {name: worn.antiresonances(name, "3:Z") for name in names[1:]}
+        ar.AntiresonanceSet("3:Z", zeros).save(tmp_path / f"{state}.json")
+    job = tmp_path / "job.toml"
+    files = ["--data", str(tmp_path / "now.json"), "--baseline", str(tmp_path / "intact.json")]
+    call = ["init", str(job), *files, "--excitation", "3:Z", "--band", "15", "330"]
+    assert cli.main([*call, "--model", str(tmp_path / "model.npz")]) == 0
+    assert "Now: antires damage" in capsys.readouterr().out
+    written = tomllib.loads(job.read_text())
+    assert written["model"] == {"kind": "matrices", "file": "model.npz"}
+    assert written["damage"] == {"baseline": "intact.json"}
+    assert written["data"] == {"file": "now.json"}
+    assert cli.main([*call, "--overwrite", "--model", "matrixes"]) == 2
+    assert "Give chain, frame, matrices, result, or the .npz" in capsys.readouterr().err
+    assert cli.main(["damage", str(job)]) == 0
+    assert "web has lost 40" in capsys.readouterr().out
+
+
 def test_the_force_that_a_file_states(tmp_path, capsys):
     places = [f"{node}+Y" for node in (1, 2, 3, 4, 5)]
     values = frame().frf([at(place) for place in places], at("3+Y"), FREQ, damping_ratio=0.01)

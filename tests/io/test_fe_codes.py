@@ -15,8 +15,10 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.app.main import main as antires
+from antires_rs.damage.likelihood import factors_of
 from antires_rs.io import calculix
 from antires_rs.io.matrix_files import completed
+from tests.support.paths import EXAMPLES, ROOT
 from tests.support.refusals import refused
 
 needs_calculix = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not on PATH")
@@ -73,6 +75,15 @@ def test_parameters_and_candidates_go_by_the_name_of_a_group():
     refused("an unknown group; wanted factors by group: 'web'", model.with_group_factors, {"rib": 2.0})
     refused(r"factors\['web'\]: got 0.0", model.with_group_factors, {"web": 0.0})
     assert model.with_group_factors({}) is model
+
+
+def test_terms_of_one_thickness_are_wrong_together_or_not_at_all():
+    def hull(e=3.0, t=2.0):
+        return np.diag([e, t + t**3]), np.array([[t + t**3, 0.4 * t**3], [0.4 * t**3, 2.0 * t]])
+
+    model = ar.read_model(hull, groups=["e", "t"])
+    assert [power for _, power in model.groups["t"].mass_powers] == [1, 3]
+    assert [(p.quantity, p.terms) for p in factors_of(model)] == [("stiffness_factor", (0,))]
 
 
 def test_what_is_no_sum_of_terms_is_refused_with_what_is_left():
@@ -602,6 +613,103 @@ def test_a_run_of_the_input_that_was_written_has_our_frequencies(tmp_path):
         new = ar.write_model(tmp_path / "new.inp", tmp_path / "read.inp", now)
         own = calculix_hz(new.read_text(), tmp_path, n_modes=5)
         np.testing.assert_allclose(now.modes(5).freq_hz, own, rtol=1e-6)
+
+
+def steady_state(text, folder, force, nodes, band_hz, n_modes, lines):
+    """Frequencies, and undamped steady-state responses (x, y, z) of nodes, of CalculiX itself.
+
+    It superposes modes, and finds a fifth of what a model has at most: blocks apart, far above, make all
+    those of the structure the lowest fifth.
+    """
+    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+    points, elements, held = [], [], []
+    for nth in range(24):
+        own = range(10_001 + 8 * nth, 10_009 + 8 * nth)
+        points += [f"{n}, {9 + 3 * nth + x}, {y}, {z}" for n, (x, y, z) in zip(own, corners, strict=True)]
+        elements.append(", ".join(map(str, (10_001 + nth, *own))))
+        held += [f"{n}, 1, 3" for n in own[:4]]
+    material = ["*MATERIAL, NAME=FAR", "*ELASTIC", "1e16, 0.", "*DENSITY", "1."]
+    section = "*SOLID SECTION, ELSET=FAR, MATERIAL=FAR"
+    cards = ["*NODE", *points, "*ELEMENT, TYPE=C3D8, ELSET=FAR", *elements, *material, section]
+    cards += ["*BOUNDARY", *held, "*NSET, NSET=SENSORS", *(f"{n}," for n in nodes)]
+    cards += ["*STEP", "*FREQUENCY, STORAGE=YES", f"{n_modes}", "*END STEP", "*STEP"]
+    cards += [
+        "*STEADY STATE DYNAMICS",
+        f"{band_hz[0]}, {band_hz[1]}, {lines}, 1.",
+        "*CLOAD",
+        f"{force}, 1, 1.",
+    ]
+    cards += ["*NODE PRINT, NSET=SENSORS", "U", "*END STEP"]
+    (folder / "steady.inp").write_text(text + "\n".join(cards) + "\n")
+    subprocess.run(["ccx", "-i", "steady"], cwd=folder, check=True, capture_output=True)
+    found, rows = {}, None
+    for line in (folder / "steady.dat").read_text().splitlines():
+        words = line.split()
+        if words[:1] == ["displacements"]:
+            hz = float(words[-1])
+            rows = None if hz in found else found.setdefault(hz, [])  # then the imaginary parts
+        elif len(words) == 4 and rows is not None and len(rows) < len(nodes):
+            rows.append([float(word) for word in words[1:]])
+    return np.array(list(found)), np.array(list(found.values()))
+
+
+@needs_calculix
+def test_dips_of_the_steady_state_response_of_calculix(tmp_path):
+    text, number = block(cells=(2, 1, 3))
+    text = text.replace("C3D8I", "C3D8")
+    (tmp_path / "block.inp").write_text(text)
+    model = ar.read_model(tmp_path / "block.inp", groups="elset")
+    force, tied = number[2, 1, 3], number[0, 0, 3]
+    nodes = [n for (_, _, k), n in number.items() if k and n != tied]
+    own_hz = model.modes(12).freq_hz
+    n_modes = sum(k > 0 for _, _, k in number) * 3 - 1
+    hz, responses = steady_state(text, tmp_path, force, nodes, (400.0, 8000.0), n_modes, 800)
+    poles = own_hz[own_hz < 1.2 * hz[-1]]
+    ratios = (hz[:, None] / poles) ** 2
+    off = (np.abs(ratios - 1.0) > 1e-4).all(axis=1)  # a resonance itself is a line too
+    hz, responses, ratios = hz[off], responses[off], ratios[off]
+    smooth = np.prod(1.0 - ratios, axis=1)  # times a response: no poles in the band
+    chosen = np.random.default_rng(5).permutation(3 * len(nodes))[:20]
+    compared = 0
+    for nth, axis in zip(chosen // 3, chosen % 3, strict=True):
+        curve = responses[:, nth, axis] * smooth
+        dips = []
+        for i in np.flatnonzero(curve[1:] * curve[:-1] < 0.0):
+            at = slice(max(i - 3, 0), i + 5)
+            fit = np.polynomial.Polynomial.fit(hz[at], curve[at], 5)
+            roots = fit.roots()[np.isreal(fit.roots())].real
+            dips += [root for root in roots if hz[i] <= root <= hz[i + 1]]
+        dips = [dip for dip in dips if np.abs(dip / own_hz - 1.0).min() > 1e-6]  # modes without a part in it
+        name = f"{nodes[nth]}:{'XYZ'[axis]}"
+        ours = model.antiresonances(name, f"{force}:X", f_max_hz=hz[-1])
+        ours = ours[ours > hz[0]]
+        np.testing.assert_allclose(ours, dips, rtol=1e-6, err_msg=name)
+        compared += len(dips)
+    assert compared > 40
+
+
+@needs_calculix
+def test_the_commands_of_the_page_go_from_the_input_to_the_report(tmp_path, monkeypatch, capsys):
+    monkeypatch.syspath_prepend(str(EXAMPLES))
+    monkeypatch.chdir(tmp_path)
+    plate = importlib.import_module("ribbed_plate")
+    text, sensors = plate.plate()
+    (tmp_path / "plate.inp").write_text(text)
+    for seed, (name, damage) in enumerate({"intact": {}, "now": {"R2": 0.6}}.items()):
+        record = plate.record(tmp_path, damage, seed)
+        named = ar.Recording(
+            record.responses, record.fs_hz, dofs=[f"{sensors[dof][0]}:Z" for dof in record.dofs]
+        )
+        ar.write_csv(tmp_path / f"{name}.csv", named)
+    page = (ROOT / "docs" / "fe_codes.md").read_text()
+    commands = (
+        page.partition("## From the input to the report")[2].partition("```console\n")[2].partition("```")[0]
+    )
+    assert len(commands.splitlines()) <= 4
+    for line in commands.splitlines():
+        assert antires(line.removeprefix("$ antires ").split()) == 0
+    assert "Damage: R2 has lost" in capsys.readouterr().out
+    assert "R2" in (tmp_path / "job_results" / "report.html").read_text(encoding="utf-8")
 
 
 # -- OpenSeesPy itself: a frame in space with rigid floors

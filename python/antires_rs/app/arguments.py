@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import MISSING, fields
 from functools import partial
 from typing import Any
@@ -13,6 +14,7 @@ from ..damage.assess import DamageResult, assess_damage
 from ..damage.measured_modes import measured_modes
 from ..damage.measured_states import measured_states
 from ..damage.options import TWO_STATES, DamagePrior, SearchOptions
+from ..exceptions import InvalidInputError
 from ..io.registry import natural
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
@@ -20,6 +22,7 @@ from ..models import parameters
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
 from ..models.frame_parts import Rectangle, Section, Tube
+from ..models.matrix_model import MatrixModel
 from ..models.parameters import Parameter, stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import IslandGA, seed_of, thread_count
@@ -124,6 +127,9 @@ def dof_finder(job: Job, model: StructuralModel | None) -> Callable[[KeyPath, An
         if parts and isinstance(model, FrameModel):
             with job.blame(place, {"node": place, "direction": place}):
                 return model.dof(int(parts[1]), parts[2])
+        if isinstance(model, MatrixModel) and name not in rows:
+            with suppress(InvalidInputError):  # no name of the model
+                return model.dof(name)
         return rows.get(name, name)
 
     return find

@@ -65,7 +65,7 @@ SIGNAL_ENDINGS = [ending for endings in ENDINGS.values() for ending in endings]
 FOLDER = "folder"  # what has no ending: a folder of files of one response each
 SIGNALS = (*ENDINGS, FOLDER)
 RECORDS = formats_of("records")
-CHAIN, FRAME, MATRICES, RESULT = ("chain", "frame", "matrices", "result")
+MODELS = CHAIN, FRAME, MATRICES, RESULT = ("chain", "frame", "matrices", "result")
 GROUPS = {  #: Names of several formats, or kinds of parameter, in the declarations below.
     "signals": SIGNALS,
     "records": RECORDS,
@@ -433,21 +433,26 @@ def template(
     data: str | None = None,
     channels: Sequence[str] = (),
     excitation: str | None = None,
+    band_hz: Sequence[float] | None = None,
+    model_file: str | None = None,
+    baseline: str | None = None,
 ) -> str:
     """A job to be filled in: valid as it stands, but for the files it names and dofs that are not given."""
     lines = [
         f"# {_HEAD[task]}: antires {task} {name}",
         "#",
         "# Lines that begin with # are explanations, or keys with their defaults: remove the # to",
-        "# change one. Force, band and model that stand here are examples: put your own in their place.",
+        "# change one. Force, band and model that were not given are examples: put your own in their place.",
         "# Paths are relative to this file. Masses, springs, nodes, elements and dofs count from 0.",
         "",
     ]
     file = data or ("records" if task == "series" else "record.uff")
     force = "0" if excitation is None else _quoted(excitation)
     filled = {
-        "data": {"file": _quoted(file), "excitation": force, "band_hz": "[3.0, 130.0]"},
-        "model": {"kind": _quoted(model), **_EXAMPLES[model]},
+        "data": {"file": _quoted(file), "excitation": force, "band_hz": str([*(band_hz or (3.0, 130.0))])},
+        "model": {"kind": _quoted(model)}
+        | ({"file": _quoted(model_file)} if model_file else _EXAMPLES[model]),
+        "damage": {"baseline": _quoted(baseline)} if baseline else {},
         "search": {"seed": "0"},
         "output": {"folder": _quoted(name.removesuffix(".toml") + "_results")},
     }
@@ -457,7 +462,7 @@ def template(
     if channels:
         dofs = ", ".join(f"{_quoted(channel)} = {_quoted(UNSET)}" for channel in channels)
         filled["data"]["dofs"] = f"{{ {dofs} }}"
-    if channels or excitation is not None:
+    if channels or excitation == UNSET:
         lines += _comment(_QUESTION + _DOFS[model])
     for part in TASKS[task]:
         if part == "parameters":

@@ -177,8 +177,11 @@ init (studies.init): write a job file with every key explained
     Write a commented job file to be filled in.
         job JOB? = job.toml: the file to write
         --task {damage,update,series} = damage: what the job is to do
-        --model {chain,frame,matrices,result} = chain: kind of model
+        --model KIND = chain: chain, frame, matrices or result; or the file of 'antires model'
         --data FILE: a measurement, whose channels are listed in the job
+        --excitation DOF: where the force acts
+        --band LOW HIGH: lowest and highest frequency in Hz
+        --baseline FILE: of a damage: the measurement of the intact structure
         --overwrite: replace a job file that exists
 identify (studies.identify): antiresonances of a measurement
     Identify the antiresonances of every response in a file, or of the [data] of a job.

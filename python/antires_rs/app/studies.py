@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import argparse
 import os
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..exceptions import reject
+from ..exceptions import InvalidInputError, reject
 from ..figures.canvas import picture
+from ..io.matrix_files import read_matrices
 from ..io.registry import CONVERT
 from ..io.uff import force_of
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
+from ..models.matrix_model import MatrixModel
 from ..support.files import write_atomically
 from ..support.messages import explain as entries
 from ..updating.result import UpdateResult
@@ -22,7 +25,7 @@ from . import run as runs
 from .arguments import model_of
 from .command import arguments, existing, hint, new_file, say, show
 from .job import read_job
-from .keys import HEADINGS, SIGNAL_ENDINGS, UNSET, format_of, template
+from .keys import HEADINGS, MATRICES, MODELS, SIGNAL_ENDINGS, UNSET, format_of, template
 from .parser import printable
 from .reading import check_files, identified, measured_of, modes_in, read_of, read_signal, refuse_beside
 from .run import RunFolder
@@ -118,18 +121,40 @@ def init(args: argparse.Namespace) -> int:
         got, remedy = f"{str(job)!r}, which exists", "Choose another name, or pass --overwrite."
         reject("JOB", got, "a new file", remedy)
     new_file("JOB", job, ".toml")
-    options: dict[str, Any] = {}
+    kind, known = args.model, None
+    options: dict[str, Any] = {"band_hz": args.band}
+    if kind not in MODELS:
+        existing("--model", Path(kind), f"Give {', '.join(MODELS)}, or the .npz of 'antires model'.")
+        with arguments({"path": "--model"}):
+            known = read_matrices(kind)
+        options["model_file"], kind = _from(job, kind), MATRICES
     if args.data is not None:
-        options = {"data": Path(os.path.relpath(args.data, job.parent)).as_posix()} | _channels(args.data)
-    text = template(args.task, args.model, name=job.name, **options)
+        options |= {"data": _from(job, args.data), **_channels(args.data, known)}
+    if args.excitation is not None:
+        options["excitation"] = str(args.excitation)
+    if args.baseline is not None:
+        options["baseline"] = _from(
+            job, existing("--baseline", args.baseline, "Name the intact measurement.")
+        )
+    text = template(args.task, kind, name=job.name, **options)
     write_atomically(job, text.encode())
-    what = ' Put dofs in place of each "?", and fill in the rest' if f'"{UNSET}"' in text else " Fill it in"
-    print(f"Wrote {job}.{what}, then: antires {args.task} {job}")
+    what = ' Put dofs in place of each "?", and fill in the rest, then:' if f'"{UNSET}"' in text else ""
+    if not what:
+        what = " Now:" if known and args.band and args.excitation else " Fill it in, then:"
+    print(f"Wrote {job}.{what} antires {args.task} {job}")
     return 0
 
 
-def _channels(file: Path) -> dict[str, Any]:
-    """Channels of a measurement and its force, without dofs: numbers would be valid, and mostly wrong."""
+def _from(job: Path, file: str | Path) -> str:
+    """A file as a job names it."""
+    return Path(os.path.relpath(file, job.parent)).as_posix()
+
+
+def _channels(file: Path, model: MatrixModel | None) -> dict[str, Any]:
+    """Channels of a measurement and its force, without dofs: numbers would be valid, and mostly wrong.
+
+    What a model knows by its name needs none.
+    """
     existing("--data", file, "Name the file of the measurement.")
     kind = format_of(file.name)
     if kind is None:
@@ -151,8 +176,14 @@ def _channels(file: Path) -> dict[str, Any]:
         channels = [str(name) for name in names]
         if force is not None and not isinstance(force, int):
             channels.append(str(force))
-        options["channels"] = list(dict.fromkeys(channels))
+        options["channels"] = [name for name in dict.fromkeys(channels) if not _has(model, name)]
     return options
+
+
+def _has(model: MatrixModel | None, name: str) -> bool:
+    with suppress(InvalidInputError):
+        return model is not None and model.dof(name) >= 0
+    return False
 
 
 # -- ``antires update``, ``damage`` and ``resume``

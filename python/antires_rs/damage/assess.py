@@ -463,8 +463,9 @@ def assess_damage(
         See :class:`UpdatingProblem`.
     baseline : AntiresonanceSet, ModalSet, or several of one kind, optional
         The intact structure, identified with the same sensors and forces. Standard deviations of both count.
-    elements : sequence of int, optional
-        Candidate elements, zero-based. Default: all springs between masses, all beams, all stiffness terms.
+    elements : sequence of int or str, optional
+        Candidate elements, zero-based, or names of terms. Default: all springs between masses, all beams, all
+        stiffness terms.
     prior : DamagePrior, optional
         What is believed before the test; with a baseline.
     search : SearchOptions, optional
