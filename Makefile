@@ -41,7 +41,7 @@ test-python: tools  ## tests of the Python package
 	$(PYTEST)
 
 # Packages of the oldest versions that pyproject.toml promises, beside the newest tools that run tests. PyNiteFEA
-# wants a newer NumPy; its tests skip.
+# wants a newer NumPy; its tests skip. Old packages warn of what newer ones beside them deprecate.
 OLDEST := $(VENV)_oldest
 PINS := import re, tomllib; own = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
 	every = sum(own["optional-dependencies"].values(), own["dependencies"]); \
@@ -52,7 +52,8 @@ oldest:  ## tests of the Python package with the oldest packages that it promise
 	$(PYTHON) -c '$(PINS)' > $(OLDEST)/pins.txt
 	$(OLDEST)/bin/python -m pip install --quiet --disable-pip-version-check --constraint $(OLDEST)/pins.txt \
 		--editable ".[all]" $(filter-out "PyNiteFEA%,$(TEST_TOOLS))
-	OPENBLAS_NUM_THREADS=1 $(OLDEST)/bin/python -m pytest --numprocesses auto --dist worksteal tests
+	OPENBLAS_NUM_THREADS=1 $(OLDEST)/bin/python -m pytest --numprocesses auto --dist worksteal \
+		-W ignore::DeprecationWarning tests
 
 # Not in every run: before Python 3.12 a tracer costs a quarter of the time of a test, and no limit hangs on the figure.
 coverage: tools  ## the same with the coverage of the package, line by line into target/coverage/html

@@ -22,11 +22,6 @@ from pathlib import Path
 FOUND = Path("reference/fuzz_corpus")
 #: Bytes of one input, and of all that are kept.
 LONGEST, MOST_KEPT = 4096, 150_000
-#: By the first byte of an input: new kinds come last.
-FUZZED = ["uff time", "uff binary", "uff frf", "csv", "csv instants", "npy", "lvm", "mtx array", "mtx sparse"]
-FUZZED += ["dmig", "abaqus", "op4 text", "op4 binary", "harwell-boeing", "antiresonances", "modes", "job"]
-FUZZED += ["conditions", "points", "result", "assessor", "matrices of ours", "evidence", "npz of ours"]
-FUZZED += ["checkpoint"]
 
 
 def fuzz(folder, *options):
@@ -34,16 +29,13 @@ def fuzz(folder, *options):
     import atheris
 
     with atheris.instrument_imports(include=["antires_rs.io", "antires_rs.watch", "antires_rs.measured"]):
-        from reference.mutant_kinds import INSIDE, KINDS, outcome
+        from reference.mutant_kinds import FUZZED, of_input
 
     good = {kind: Path(folder, kind).read_bytes() for kind in FUZZED}
 
     def one(data):
-        kind = FUZZED[data[0] % len(FUZZED)] if data else FUZZED[0]
-        path = Path(folder, f"input{KINDS[kind].ending}")
-        path.write_bytes(INSIDE[kind][1](good[kind], data[1:]) if kind in INSIDE else data[1:])
-        what, why = outcome(kind, path)
-        assert what != "RAW", (kind, why)
+        what, why = of_input(data, good, Path(folder))
+        assert what != "RAW", why
 
     atheris.Setup(["fuzz_files", *options], one)
     atheris.Fuzz()
@@ -51,7 +43,7 @@ def fuzz(folder, *options):
 
 def made(folder):
     """A good file of each kind, and an input of it."""
-    from reference.mutant_kinds import INSIDE, KINDS
+    from reference.mutant_kinds import FUZZED, INSIDE, KINDS
 
     (folder / "inputs").mkdir()
     for number, kind in enumerate(FUZZED):
@@ -59,6 +51,7 @@ def made(folder):
         (folder / kind).write_bytes(whole)
         inside = INSIDE[kind][0](whole) if kind in INSIDE else whole
         (folder / "inputs" / kind).write_bytes(bytes([number]) + inside)
+    return FUZZED
 
 
 def kept(inputs):
@@ -84,7 +77,7 @@ def main():
         return 0
     with tempfile.TemporaryDirectory() as name:
         folder, inputs = Path(name), Path(name, "inputs")
-        made(folder)
+        good = made(folder)
         limits = ["-timeout=60", "-rss_limit_mb=1500", f"-max_len={LONGEST}", "-artifact_prefix=fuzz_"]
         limits += [f"-max_total_time={asked.seconds}", "-print_final_stats=1"]
         places = [*map(str, asked.again)] or [str(inputs), *[str(FOUND)] * FOUND.is_dir()]
@@ -94,7 +87,7 @@ def main():
         if done.returncode:
             print(*lines[-40:], sep="\n")
         tried = next((each.split()[-1] for each in lines if "number_of_executed_units" in each), "?")
-        for kind in FUZZED:
+        for kind in good:
             (inputs / kind).unlink()
         print(
             f"{tried} inputs tried, {len(list(inputs.iterdir()))} reached new lines, code {done.returncode}"

@@ -652,3 +652,18 @@ def outcome(kind, path):
             trace = trace.tb_next
         return "RAW", json.dumps(f"{type(exc).__name__}: {str(exc)[:100]} at {where}")
     return "read", ""
+
+
+#: What is fuzzed, by the first byte of an input; new kinds come last.
+FUZZED = ["uff time", "uff binary", "uff frf", "csv", "csv instants", "npy", "lvm", "mtx array", "mtx sparse"]
+FUZZED += ["dmig", "abaqus", "op4 text", "op4 binary", "harwell-boeing", "antiresonances", "modes", "job"]
+FUZZED += ["conditions", "points", "result", "assessor", "matrices of ours", "evidence", "npz of ours"]
+FUZZED += ["checkpoint"]
+
+
+def of_input(data, good, folder):
+    """Outcome of an input of a fuzzer: the kind, and the rest of a file; ``good`` has a file of each kind."""
+    kind = FUZZED[data[0] % len(FUZZED)] if data else FUZZED[0]
+    path = folder / f"input{KINDS[kind].ending}"
+    path.write_bytes(INSIDE[kind][1](good[kind], data[1:]) if kind in INSIDE else data[1:])
+    return outcome(kind, path)

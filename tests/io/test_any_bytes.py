@@ -11,10 +11,11 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 import antires_rs as ar
 from reference import truncation
 from reference.io_signals import differences
-from reference.mutant_kinds import KINDS, outcome
+from reference.mutant_kinds import FUZZED, KINDS, of_input, outcome
 from reference.truncation import FORMATS
 from tests.support.campaign import examples
 from tests.support.mutations import any_bytes, mutated
+from tests.support.paths import ROOT
 
 #: Formats read in this process, without compression, so that a change gets past the checksum of an archive.
 READ_HERE = ["UFF 58b, ours", "UFF 58, ours", "UFF 58b, other", "UFF 58, other", "CSV, ours", "CSV, other"]
@@ -110,6 +111,14 @@ def test_mutants(tmp_path, kind):
     for number in range(12):
         path.write_bytes(KINDS[kind].mutate(good, np.random.default_rng([7, number])))
         assert outcome(kind, path)[0] in ("read", "ours"), (number, outcome(kind, path))
+
+
+def test_what_fuzzing_found(tmp_path):
+    """benchmarks/fuzz_files.py begins with these, and finds more."""
+    good = {kind: KINDS[kind].make(tmp_path).read_bytes() for kind in FUZZED}
+    for file in sorted((ROOT / "reference" / "fuzz_corpus").iterdir()):
+        found = of_input(file.read_bytes(), good, tmp_path)
+        assert found[0] != "RAW", (file.name, found)
 
 
 # -- Cuts: row 3 of the files' bar on a few of each format; benchmarks/truncated_files.py takes 300

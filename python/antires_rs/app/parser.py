@@ -280,8 +280,8 @@ _HELP = {  #: What the help says of an argument that it does not take from the s
     "align": "the files are sensors of one test with a clock each: join them by their columns of time, and "
     "make up missed samples; named by what differs between the files",
     "responses": "array, column or channel of the responses, * for any text; once for each (default: all)",
-    "roving": "the sensor that stayed while the hammer roved: of a universal file with all hits, or of "
-    "several files, a hit each, which are identified one by one and joined",
+    "roving": "the sensor that stayed while the hammer roved: of a universal file with all hits, of a folder "
+    "of FRFs, or of several files, a hit each, which are identified one by one and joined",
 }
 
 

@@ -513,8 +513,13 @@ class Call(Job):
         """What the files hold; a universal file may state the place of the force."""
         (table,) = self.data
         if "excitation" not in table and "roving" in table:
-            with self.blame(_PLACE):
-                table["excitation"] = label_of(as_point("roving", table["roving"]))
+            if files[
+                0
+            ].is_dir():  # a file an FRF, named by point numbers: the force was at each, by reciprocity
+                table["excitation"] = table.pop("roving")
+            else:
+                with self.blame(_PLACE):
+                    table["excitation"] = label_of(as_point("roving", table["roving"]))
         stated = {"excitation", "reference"} & table.keys()
         if not (stated or self._modes) and kind_of(self, _PLACE, table, files[0]) == "uff":
             with self.blame(_PLACE):

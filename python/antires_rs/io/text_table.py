@@ -323,8 +323,8 @@ def _rounding(column: list[str], values: NDArray[Any], point: str) -> float:
     for text in column:
         match = _MANTISSA.match(text)  # of the real part of a complex one
         mantissa, exponent = match.groups() if match else ("", None)
-        places.append(len(mantissa.partition(point)[2]) - int(exponent or 0))
-    return max(0.5 * 10.0 ** -max(places) / (float(np.abs(values).max()) or 1.0), 1e-15)
+        places.append(len(mantissa.partition(point)[2]) - float(exponent or 0))
+    return max(0.5 * 10.0 ** min(-max(places), 300.0) / (float(np.abs(values).max()) or 1.0), 1e-15)
 
 
 def _header(file: Path, lines: list[str], table: Table) -> None:

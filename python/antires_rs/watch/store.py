@@ -191,10 +191,13 @@ def write_series(
     if path.suffix.lower() not in (*DATABASES, ".part"):
         write_table(path, list(rows), config)
         return
-    with written_beside(path) as beside, closing(sqlite3.connect(beside)) as db, db:
-        _begin(db, config, finished)
-        for row in rows:
-            _insert(db, path, row)
+    try:
+        with written_beside(path) as beside, closing(sqlite3.connect(beside)) as db, db:
+            _begin(db, config, finished)
+            for row in rows:
+                _insert(db, path, row)
+    except sqlite3.OperationalError as exc:  # a disk without room, as other files tell it
+        raise OSError(f"{str(path)!r} cannot be written ({exc})") from exc
 
 
 def read_series(path: Path) -> tuple[list[Row], bool]:
