@@ -381,10 +381,12 @@ def write_model(
     file : path-like
         The new input.
     source : path-like
-        The input that :func:`read_model` had, with ``code`` and ``command`` as there; it stays as it is.
+        The input that :func:`read_model` had; it stays as it is.
     model : MatrixModel
         Of :func:`read_model`, scaled by parameters or :meth:`MatrixModel.with_group_factors`: often
         ``result.model``. What is written are its :attr:`MatrixModel.group_factors`.
+    code, command : optional
+        As :func:`read_model` had them.
 
     Returns
     -------
