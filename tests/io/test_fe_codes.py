@@ -278,6 +278,38 @@ def test_the_input_is_written_with_values_that_were_found(program, tmp_path):
     refused("above 0, gives to stiffness", lambda: gone.group_factors)
 
 
+def test_groups_without_terms_have_a_factor_too():
+    none = ar.TermGroup("paint", "density", 1200.0)
+    model = ar.MatrixModel(np.eye(1), np.eye(1), groups=[none])
+    assert model.group_factors == {"paint": 1.0}
+    refused("another power", ar.TermGroup, "web", "stiffness", 1.0, ((0, 0),))
+    for groups in (none, "web", {"web": none}):
+        refused(
+            "a list of TermGroup", lambda given: ar.MatrixModel(np.eye(1), np.eye(1), groups=given), groups
+        )
+
+
+def test_a_mesh_takes_lists_and_refuses_what_is_no_array():
+    places = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
+    mesh = ar.Mesh([1, 2], places, [7], [[1, 2]], ("B31",), [0])
+    assert mesh.place(2).tolist() == [1.0, 0.0, 0.0]
+    refused("rows of different lengths", ar.Mesh, [1, 2], [[0.0], [1.0, 0.0]], [7], [[1, 2]], ("B31",), [0])
+    refused("rows of different lengths", ar.Mesh, [1, 2], places, [7, 8], [[1, 2], [1]], ("B31",), [0, 0])
+    refused("a place in the tuple kinds", ar.Mesh, [1, 2], places, [7], [[1, 2]], ("B31",), 0)
+
+
+def test_a_colon_in_the_path_does_not_hide_the_source(tmp_path):
+    folder = tmp_path / "a:b"
+    folder.mkdir()
+    source = folder / "bar.dat"
+    source.write_text("modulus {web:.4e}")
+    web = ar.TermGroup("web", "value", 2.1e11, ((0, 1),))
+    model = ar.MatrixModel(np.eye(1), np.eye(1), stiffness_terms={"web": np.eye(1)}, groups=[web])
+    refused("another file than the source", ar.write_model, source, source, model, command="code {input}")
+    ar.write_model(folder / "new.dat", source, model, command="code {input}")
+    ar.write_model(folder / "new.dat", source, model, command="code {input}")  # over the one before
+
+
 def test_the_command_line_writes_the_input_of_a_result(program, tmp_path, capsys):
     source, command = program
     model = ar.read_model(source, groups=GROUPS, command=command)

@@ -59,7 +59,8 @@ def order_scatter(s: ComplexArray, roots: Sequence[ComplexArray], count: Any = 1
             row[near] = np.abs(np.abs(nearest) - np.abs(s))[near]
         for i in several.tolist():
             about = every[np.argsort(np.abs(every - s[i]))[: count[i]]]
-            row[i] = min(most[i], abs(abs(complex(about.mean())) - abs(complex(s[i]))))
+            if about.size:
+                row[i] = min(most[i], abs(abs(complex(about.mean())) - abs(complex(s[i]))))
     shifts.sort(axis=0)
     shifts[-1] = np.minimum(shifts[-1], LARGEST * shifts[-2])
     return np.asarray(np.sqrt(np.mean(shifts**2, axis=0)) / (2 * np.pi))

@@ -10,8 +10,8 @@ of places has the log evidence, the sums over responses,
    + n_{unpaired} \log(q / B), \qquad B \text{ the band's width.}
 
 Errors of the model are taken for independent: of two sets near each other the difference says too much.
-A root that all responses share is not in transmissibilities, nor in ratios of minors, and is not missing there.
-Places that differ by such roots alone, as those behind all sensors of a chain, have one and the same evidence.
+A root that all responses share is not in transmissibilities, nor in ratios of minors. It is no missing one,
+and places that differ by such roots alone, as those behind all sensors of a chain, have the same evidence.
 """
 
 from __future__ import annotations
@@ -66,9 +66,9 @@ class ForcePlaces(Value):
     >>> seen = {dof: chain.antiresonances(dof, 2) for dof in range(3)}
     >>> print(ar.rank_force_places(chain, ar.AntiresonanceSet("somewhere", seen), band_hz=(1, 7)))
     places of the forces  log evidence  explained  missing  rms %
-    mass 2                         0.0     3 of 3        0   0.00
-    mass 1                       -19.5     1 of 3        2   0.00
-    mass 0                       -29.3     1 of 3        2   0.00
+    mass 2                         0.0     2 of 2        0   0.00
+    mass 1                       -11.4     0 of 2        1      -
+    mass 0                       -13.0     0 of 2        2      -
     """
 
     places: tuple[Any, ...]
