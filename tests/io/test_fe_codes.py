@@ -321,6 +321,10 @@ def test_the_command_line_writes_the_input_of_a_result(program, tmp_path, capsys
     assert antires([*call, "--result", str(tmp_path / "result.npz")]) == 0
     assert "web  0.8 times its value" in capsys.readouterr().out
     assert float((tmp_path / "new.dat").read_text().split()[1]) == pytest.approx(80.0, rel=1e-6)
+    assert antires([*call[:-1], str(tmp_path / "more.dat"), "--result", str(tmp_path)]) == 0  # its folder
+    capsys.readouterr()
+    assert antires([*call[:-1], str(tmp_path / "next.dat"), "--result", str(tmp_path / "none.npz")]) == 2
+    assert "--result: got " in capsys.readouterr().err
     assert antires([*call[:-1], str(tmp_path / "new.npz")]) == 2
     assert "--groups" in capsys.readouterr().err
 
@@ -460,6 +464,7 @@ def test_calculix_input_is_written_with_its_steps(deck, tmp_path):
     now = model.with_group_factors({"tip": 0.5})
     new = ar.write_model(tmp_path / "new.inp", tmp_path / "plate.inp", now)
     text = new.read_text()
+    assert text.startswith("** Values of groups by antires_rs\n")  # so that the command may write it again
     assert "105000000000.0, 0.3, 20." in text
     assert all(each in text for each in ("*STATIC\n", "*CLOAD\n1, 3, -10.\n", "*NODE FILE\nU\n", "\n0.002\n"))
     again = calculix.Deck(new)
@@ -474,6 +479,7 @@ def test_groups_of_calculix_share_no_elements(tmp_path, deck, monkeypatch):
     refused("'Tip' and 'BOTH', which share 2", ar.read_model, plate, groups=["Tip", "BOTH"])
     refused("one of 'youngs_modulus', 'density', 'thickness'", ar.read_model, plate, groups="Tip:mass")
     refused("elements that have a section", ar.read_model, plate, groups={"a": [77]})
+    refused("no element of 'Top'; wanted one of", ar.read_model, plate, groups=["Top"])
     with pytest.raises(ar.MissingDependencyError, match="apt install calculix-ccx"):
         ar.read_model(plate, groups="Tip")
 
