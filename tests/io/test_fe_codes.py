@@ -289,6 +289,38 @@ def test_the_input_is_written_with_values_that_were_found(program, tmp_path):
     refused("above 0, gives to stiffness", lambda: gone.group_factors)
 
 
+def test_groups_without_terms_have_a_factor_too():
+    none = ar.TermGroup("paint", "density", 1200.0)
+    model = ar.MatrixModel(np.eye(1), np.eye(1), groups=[none])
+    assert model.group_factors == {"paint": 1.0}
+    refused("another power", ar.TermGroup, "web", "stiffness", 1.0, ((0, 0),))
+    for groups in (none, "web", {"web": none}):
+        refused(
+            "a list of TermGroup", lambda given: ar.MatrixModel(np.eye(1), np.eye(1), groups=given), groups
+        )
+
+
+def test_a_mesh_takes_lists_and_refuses_what_is_no_array():
+    places = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
+    mesh = ar.Mesh([1, 2], places, [7], [[1, 2]], ("B31",), [0])
+    assert mesh.place(2).tolist() == [1.0, 0.0, 0.0]
+    refused("rows of different lengths", ar.Mesh, [1, 2], [[0.0], [1.0, 0.0]], [7], [[1, 2]], ("B31",), [0])
+    refused("rows of different lengths", ar.Mesh, [1, 2], places, [7, 8], [[1, 2], [1]], ("B31",), [0, 0])
+    refused("a place in the tuple kinds", ar.Mesh, [1, 2], places, [7], [[1, 2]], ("B31",), 0)
+
+
+def test_a_colon_in_the_path_does_not_hide_the_source(tmp_path):
+    folder = tmp_path / "a:b"
+    folder.mkdir()
+    source = folder / "bar.dat"
+    source.write_text("modulus {web:.4e}")
+    web = ar.TermGroup("web", "value", 2.1e11, ((0, 1),))
+    model = ar.MatrixModel(np.eye(1), np.eye(1), stiffness_terms={"web": np.eye(1)}, groups=[web])
+    refused("another file than the source", ar.write_model, source, source, model, command="code {input}")
+    ar.write_model(folder / "new.dat", source, model, command="code {input}")
+    ar.write_model(folder / "new.dat", source, model, command="code {input}")  # over the one before
+
+
 def test_the_command_line_writes_the_input_of_a_result(program, tmp_path, capsys):
     source, command = program
     model = ar.read_model(source, groups=GROUPS, command=command)
@@ -300,6 +332,10 @@ def test_the_command_line_writes_the_input_of_a_result(program, tmp_path, capsys
     assert antires([*call, "--result", str(tmp_path / "result.npz")]) == 0
     assert "web  0.8 times its value" in capsys.readouterr().out
     assert float((tmp_path / "new.dat").read_text().split()[1]) == pytest.approx(80.0, rel=1e-6)
+    assert antires([*call[:-1], str(tmp_path / "more.dat"), "--result", str(tmp_path)]) == 0  # its folder
+    capsys.readouterr()
+    assert antires([*call[:-1], str(tmp_path / "next.dat"), "--result", str(tmp_path / "none.npz")]) == 2
+    assert "--result: got " in capsys.readouterr().err
     assert antires([*call[:-1], str(tmp_path / "new.npz")]) == 2
     assert "--groups" in capsys.readouterr().err
 
@@ -439,6 +475,7 @@ def test_calculix_input_is_written_with_its_steps(deck, tmp_path):
     now = model.with_group_factors({"tip": 0.5})
     new = ar.write_model(tmp_path / "new.inp", tmp_path / "plate.inp", now)
     text = new.read_text()
+    assert text.startswith("** Values of groups by antires_rs\n")  # so that the command may write it again
     assert "105000000000.0, 0.3, 20." in text
     assert all(each in text for each in ("*STATIC\n", "*CLOAD\n1, 3, -10.\n", "*NODE FILE\nU\n", "\n0.002\n"))
     again = calculix.Deck(new)
@@ -453,6 +490,7 @@ def test_groups_of_calculix_share_no_elements(tmp_path, deck, monkeypatch):
     refused("'Tip' and 'BOTH', which share 2", ar.read_model, plate, groups=["Tip", "BOTH"])
     refused("one of 'youngs_modulus', 'density', 'thickness'", ar.read_model, plate, groups="Tip:mass")
     refused("elements that have a section", ar.read_model, plate, groups={"a": [77]})
+    refused("no element of 'Top'; wanted one of", ar.read_model, plate, groups=["Top"])
     with pytest.raises(ar.MissingDependencyError, match="apt install calculix-ccx"):
         ar.read_model(plate, groups="Tip")
 

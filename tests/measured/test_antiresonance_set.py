@@ -13,7 +13,7 @@ from hypothesis import given, settings, strategies as st
 import antires_rs as ar
 from antires_rs.identification.scores import graded
 from antires_rs.measured.antiresonance_set import AntiresonanceSet
-from antires_rs.measured.response_table import ResponseTable
+from antires_rs.measured.response_table import ResponseTable, doubts_of
 from antires_rs.support.checks import Dofs, forces_at, label_text
 from tests.support.refusals import each_of, refused
 from tests.support.same_sets import assert_same_set
@@ -184,6 +184,20 @@ def test_a_set_has_a_line_a_value_with_its_doubts_in_words():
         "     50.0000       -         added by hand",
         "  7        -",
     ]
+
+
+def test_a_doubt_of_all_channels_is_not_said_twice():
+    two = np.array([0.1, 0.0])
+    one = (
+        table()
+        .take([0, 1])
+        .with_scores(grade=["weak"] * 2, second=two, doubt=["second force, record too short"] * 2)
+    )
+    doubts = doubts_of(one)
+    assert doubts[0][0] == "second force or noise"
+    assert [row[-1] for row in doubts] == ["record too short"] * 2
+    assert "second force" not in doubts[0]
+    assert "second force" in doubts[1]
 
 
 # ---- What goes with a set through edits, files, names, problems and joining: sight, and what was left out

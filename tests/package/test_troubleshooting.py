@@ -9,6 +9,7 @@ from pathlib import Path
 
 import antires_rs as ar
 from antires_rs.app.main import main
+from antires_rs.identification import scores
 from antires_rs.measured import response_table as doubts
 from antires_rs.signals import channel_checks as channels, data_check as check
 from antires_rs.support.messages import entries
@@ -37,6 +38,7 @@ def warned():
 def words_of_doubts():
     tests = (*doubts._TESTS, *doubts._OF_WINDOWS)
     said = {word for word, _ in tests} | set(doubts._HOW.values()) | {"added by hand"}
+    said |= {*scores.MISLEADING.values()}
     return {word.replace(" ", "_") for word in said}
 
 

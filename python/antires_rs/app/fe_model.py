@@ -38,8 +38,11 @@ def model(args: argparse.Namespace) -> int:
 
 
 def _write(args: argparse.Namespace) -> int:
+    given = Path(args.result)
+    file = given / "result.npz" if given.is_dir() else given
+    existing("--result", file, "'antires update' and 'antires damage' write result.npz into their folder.")
     with arguments({"source": "SOURCE", "model": "--result", "path": "--result", "file": "--out"}):
-        found = UpdateResult.load(args.result).model
+        found = UpdateResult.load(file).model
         write_model(args.out, args.source, found, command=args.command)  # type: ignore[arg-type]
     factors = found.group_factors  # type: ignore[attr-defined]
     rows = (f"{name}  {factor:.6g} times its value" for name, factor in factors.items() if factor != 1.0)

@@ -182,7 +182,9 @@ def write(
         "nodes": np.array(nodes, dtype=np.int64),
         "coordinates": np.array(places).reshape(-1, 3),
         "elements": np.array(list(numbers), dtype=np.int64),
-        "connectivity": np.array([[*n, *[-1] * (most - len(n))] for n in numbers.values()], dtype=np.int64),
+        "connectivity": np.array(
+            [[*n, *[-1] * (most - len(n))] for n in numbers.values()], dtype=np.int64
+        ).reshape(-1, most),
         "kind": np.array([names.index(kinds[tag]) for tag in numbers], dtype=np.int64),
         "text": np.frombuffer(json.dumps({"kinds": names, "defaults": defaults}).encode(), dtype=np.uint8),
     }

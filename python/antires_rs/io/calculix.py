@@ -204,7 +204,7 @@ class Deck:
         if not own:
             known = [*(each for each in self.sets if self.sets[each]), *self.materials]
             remedy = "Name a set that *ELSET or *ELEMENT makes, or a material."
-            reject(("groups", name), "no element", f"one of {', '.join(known[:30])}", remedy)
+            reject(("groups", name), f"no element of {name!r}", f"one of {', '.join(known[:30])}", remedy)
         return own
 
     # -- Written again: sections in pieces, each with a material of its own

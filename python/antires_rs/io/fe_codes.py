@@ -419,7 +419,8 @@ def write_model(
         remedy = "Give what read_model returned, or the .model of a result for it."
         reject("model", model, "a MatrixModel with groups", remedy)
     chosen, target = opened(source, code, command), Path(file)
-    if target.exists() and target.samefile(str(source).rpartition(":")[0] or str(source)):
+    named = str(source) if Path(str(source)).exists() else str(source).rpartition(":")[0]  # "frame.py:build"
+    if target.exists() and Path(named).exists() and target.samefile(named):
         reject("file", str(file), "another file than the source", "Choose another name.")
     chosen.asked = [
         Asked(each.name, each.quantity, tuple(each.elements.tolist()), each.place, each.value)

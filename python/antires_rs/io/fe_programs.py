@@ -214,7 +214,7 @@ class CalculiX(Code):
                 got, wanted = f"{there} for {each.name!r}", f"{each.value}, as the model was read"
                 reject("source", got, wanted, "Name the input that read_model had.")
         kept = {name: group for name, group in self._groups().items() if factors[name] != 1.0}
-        return "".join(self._deck.scaled(kept, factors))
+        return "".join(["** Values of groups by antires_rs\n", *self._deck.scaled(kept, factors)])
 
     def run(self, folder: Path, factors: Factors) -> Run:
         """The matrices that it stores."""
@@ -329,7 +329,7 @@ class OpenSees(Code):
 
 
 _SCRIPT = """\
-# {script} with other values.
+# {script} with other values, by antires_rs.
 import sys
 from functools import partial
 from importlib import import_module

@@ -180,7 +180,8 @@ def doubts_of(table: ResponseTable) -> list[list[str]]:
             for row in np.flatnonzero(~sure & ~passed(table)):
                 found[row].append(word)
     for words, doubt in zip(found, table.scores.get("doubt", ()), strict=False):
-        words += [str(doubt)] if doubt else []
+        # "second force or noise" beside the value says it already.
+        words += [one for one in str(doubt).split(", ") if one and not any(one in word for word in words)]
     return [["added by hand"] if hand else words for hand, words in zip(table.by_hand, found, strict=True)]
 
 

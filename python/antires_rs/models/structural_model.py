@@ -561,6 +561,9 @@ class StructuralModel(AroundCore[CoreModel]):
         self._damping(damping_ratio)
         dofs = self._free_dofs if responses is None else self._dofs("responses", responses)
         lowest_hz = min((f for f in self._core.modes()[0] if f > 0), default=0.0)
+        if shape_of(excitation) != ():
+            remedy = "Simulate one record for each force, with rng= of its own, and add their responses."
+            reject("excitation", excitation, "one dof", remedy)
         force = self._dof("excitation", excitation)
         test = fs_hz, duration_s, damping_ratio, band_hz, noise, rng
         return simulate(self, dofs, force, lowest_hz, *test, progress=progress)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..exceptions import reject
+from ..exceptions import InvalidInputError, reject
 from ..support.checks import FloatArray, IntArray, choice, finite_scalar, integer, real_array, shape_of
 from ..support.values import Value
 
@@ -70,7 +71,9 @@ class TermGroup(Value):
                 reject(side, pairs, wanted, "As in stiffness_powers=((0, 1), (1, 3)).")
             terms = [integer((side, i), term, low=0) for i, (term, _) in enumerate(pairs)]
             for i, (_, power) in enumerate(pairs):
-                integer((side, i), power)
+                if integer((side, i), power) == 0:
+                    remedy = "Leave it out: what does not move with the value is no term of the group."
+                    reject((side, i), "the power 0", "another power", remedy)
             if len({*terms}) < len(terms):
                 reject(side, pairs, wanted, "Leave one of the two out: matrices are sums of their terms.")
         _numbers("elements", self.elements)
@@ -116,17 +119,19 @@ class Mesh(Value):
     kind: IntArray
 
     def __post_init__(self) -> None:
+        for name in ("nodes", "coordinates", "elements", "connectivity", "kind"):
+            object.__setattr__(self, name, _array(name, getattr(self, name)))
         nodes, elements = _numbers("nodes", self.nodes), _numbers("elements", self.elements)
         if nodes.size and nodes.min() < 0:
             reject("nodes", f"node {nodes.min()}", "numbers of at least 0", "-1 stands for no node.")
-        if np.shape(self.coordinates) != (nodes.size, 3):
-            got = f"an array of shape {np.shape(self.coordinates)}"
+        if self.coordinates.shape != (nodes.size, 3):
+            got = f"an array of shape {self.coordinates.shape}"
             reject(
                 "coordinates", got, f"({nodes.size}, 3), a place for each node", "Add zeros for what lacks."
             )
         if nodes.size:
             real_array("coordinates", self.coordinates, ndim=2, wanted="finite places, (n, 3)")
-        of = np.asarray(self.connectivity)
+        of = self.connectivity
         if of.ndim != 2 or len(of) != elements.size:
             wanted = f"({elements.size}, k), the nodes of each element"
             reject("connectivity", f"an array of shape {of.shape}", wanted, "Fill short rows up with -1.")
@@ -139,13 +144,13 @@ class Mesh(Value):
         if odd.size:
             got = f"{of[odd[0]].tolist()} of element {elements[odd[0]]}"
             reject("connectivity", got, "nodes, and -1 behind the last", "Move -1 to the end of the row.")
-        kind, kinds = np.asarray(self.kind), self.kinds
+        kind, kinds = self.kind, self.kinds
         if (
             not isinstance(kinds, tuple)
             or kind.shape != elements.shape
             or not np.isin(kind, range(len(kinds))).all()
         ):
-            got = f"{kind.tolist()[:6]} with kinds {kinds!r}"
+            got = f"{kind.ravel()[:6].tolist()} with kinds {kinds!r}"
             wanted = f"a place in the tuple kinds for each of {elements.size} elements"
             reject("kind", got, wanted, 'As in kinds=("S4",), kind=np.array([0]).')
         super().__post_init__()
@@ -159,9 +164,17 @@ class Mesh(Value):
         return place
 
 
+def _array(name: str, given: Any) -> NDArray[Any]:
+    """An array of what may be a list."""
+    try:
+        return np.asarray(given)
+    except ValueError as exc:
+        raise InvalidInputError(name, "rows of different lengths", "an array", "Fill short rows up.") from exc
+
+
 def _numbers(name: str, given: Any) -> IntArray:
     """Numbers of nodes or elements, (n,), each once."""
-    numbers = np.asarray(given)
+    numbers = _array(name, given)
     wanted = "whole numbers, (n,), each once"
     if numbers.ndim != 1 or (numbers.size and not np.issubdtype(numbers.dtype, np.integer)):
         got = f"an array of shape {numbers.shape} of {numbers.dtype}"
@@ -174,6 +187,8 @@ def _numbers(name: str, given: Any) -> IntArray:
 
 def checked_groups(groups: Any, n_stiffness: int, n_mass: int) -> tuple[TermGroup, ...]:
     """Groups of different names whose terms a model of so many has, each term in one."""
+    if isinstance(groups, str | bytes | Mapping) or not isinstance(groups, Iterable):
+        reject("groups", groups, "a list of TermGroup", "Put the groups in a list.")
     given = tuple(groups)
     names: set[str] = set()
     owners: dict[tuple[str, int], str] = {}
@@ -225,8 +240,10 @@ def factors_of(
     found = {}
     for name, group in groups.items():
         sides = (stiffness, group.stiffness_powers), (mass, group.mass_powers)
-        acting = [(factors.get(term, 1.0), power) for factors, powers in sides for term, power in powers]
-        roots = [factor ** (1.0 / power) if factor > 0.0 else 0.0 for factor, power in acting]
+        acting: list[tuple[float, int]] = [
+            (factors.get(term, 1.0), power) for factors, powers in sides for term, power in powers
+        ]
+        roots = [factor ** (1.0 / power) if factor > 0.0 else 0.0 for factor, power in acting] or [1.0]
         if not min(roots) > 0.0 or max(roots) > (1.0 + 1e-9) * min(roots):
             got = f"terms of {name!r} times {', '.join(f'{factor:g}' for factor, _ in acting)}"
             wanted = "factors that one value, above 0, gives to stiffness and mass"

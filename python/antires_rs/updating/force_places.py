@@ -10,11 +10,12 @@ of places has the log evidence, the sums over responses,
    + n_{unpaired} \log(q / B), \qquad B \text{ the band's width.}
 
 Errors of the model are taken for independent: of two sets near each other the difference says too much.
+A root that all responses share is not in transmissibilities, nor in ratios of minors. It is no missing one,
+and places that differ by such roots alone, as those behind all sensors of a chain, have the same evidence.
 """
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -23,15 +24,17 @@ from typing import Any
 
 import numpy as np
 
-from ..exceptions import AntiresWarning, Argument, reject
+from ..exceptions import Argument, reject
 from ..measured.antiresonance_set import AntiresonanceSet, aligned, number
 from ..measured.matching import check_set, paired
 from ..models.structural_model import StructuralModel, checked_model
-from ..support.checks import FloatArray, IntArray, finite_scalar, frequency_band, members, shape_of
+from ..support.checks import BoolArray, FloatArray, IntArray, finite_scalar, frequency_band, members, shape_of
 from ..support.progress import patient
 from ..support.values import Value
+from .targets import measured_together, roots_of
 
 FOUND, FALSE = 0.8, 0.2  # chance that a root is found; false values a response
+SHARED = 5e-4  # relative distance in Hz up to which roots of two responses are one
 REACH = 3.0  # errors of the model beyond which a value is no root's
 _MOST_PLACES = 5_000  # of places that are tried
 PRINTED = 10
@@ -55,6 +58,17 @@ class ForcePlaces(Value):
         Values that were measured.
     dof_names : dict of int to str
         Names of the dofs in print.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> chain = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
+    >>> seen = {dof: chain.antiresonances(dof, 2) for dof in range(3)}
+    >>> print(ar.rank_force_places(chain, ar.AntiresonanceSet("somewhere", seen), band_hz=(1, 7)))
+    places of the forces  log evidence  explained  missing  rms %
+    mass 2                         0.0     2 of 2        0   0.00
+    mass 1                       -11.4     0 of 2        1      -
+    mass 0                       -13.0     0 of 2        2      -
     """
 
     places: tuple[Any, ...]
@@ -122,7 +136,8 @@ def rank_force_places(
     Returns
     -------
     ForcePlaces
-        All sets, the likeliest first. Print it for a table.
+        All sets, the likeliest first; those that the responses do not tell apart have the same evidence.
+        Print it for a table.
 
     Raises
     ------
@@ -150,19 +165,23 @@ def rank_force_places(
         reject("measured", got, "some that the model can explain", "Widen the band.")
     silent = [tuple(own) for own in measured.options.get("silent", [])]
     order, rows = measured.order, [*keys, *silent]
-    sets = _sets(model, places, rows, order)
+    ends = [model._end("measured dof", key) for key in rows]
+    sets = _sets(model, places, ends, order)
+    by_ratio = measured.sees == "transmissibility"
+    together = measured_together(model, measured) if by_ratio else []
+    listed = list(dict.fromkeys([*ends, *together]))
     ranked = []
     for force in sets:
-        with warnings.catch_warnings():  # of minors that are zero for some places
-            warnings.simplefilter("ignore", AntiresWarning)
-            roots = model.antiresonances(rows, force, f_max_hz=band[1])
+        found = dict(zip(listed, roots_of(model, listed, force, band[1], by_ratio), strict=True))
         tally = _Tally(band[1] - band[0], error)
-        for key, root in zip(rows, roots, strict=True):
+        for key, end in zip(rows, ends, strict=True):
+            root = np.empty(0) if found[end] is None else found[end]
+            root = root[(root >= band[0]) & ~_hidden(root, [found[own] for own in together if own != end])]
             std = measured.tables[key].std_hz if key in values else np.empty(0)
             inside = np.isin(measured[key], values[key]) if key in values else slice(None)
-            tally.add(values.get(key, np.empty(0)), std[inside], root[root >= band[0]])
+            tally.add(values.get(key, np.empty(0)), std[inside], root)
         ranked.append((force, tally))
-    ranked.sort(key=lambda one: -one[1].evidence)
+    ranked.sort(key=lambda one: -round(one[1].evidence, 6))  # equal ones as they were given
     tallies = [tally for _, tally in ranked]
     dofs = {dof for force in sets for dof in members(force)}
     return ForcePlaces(
@@ -207,25 +226,41 @@ def _band(measured: AntiresonanceSet, band_hz: Any) -> tuple[float, float]:
     return frequency_band("band_hz", band, low_hz=0.0, high_hz=np.inf)
 
 
-def _sets(model: StructuralModel, places: Any, rows: Sequence[Any], order: int) -> list[Any]:
+def _sets(model: StructuralModel, places: Any, ends: Sequence[Any], order: int) -> list[Any]:
     """Sets of r dofs that are tried, a dof each of one force."""
-    measured = dict.fromkeys(dof for key in rows for dof in (key if order > 1 else [key]))
-    given = list(measured if places is None else places)
     wanted = f"dofs, {order} or more, or sets of {order} of them"
+    if places is None:
+        given = list(dict.fromkeys(dof for end in ends for dof in members(end)))
+    elif isinstance(places, str | bytes) or not isinstance(places, Iterable):
+        reject("places", places, f"a list of {wanted}", "Put the dofs in a list, such as places=range(8).")
+    else:
+        given = list(places)
     if not given:
         reject("places", "none", wanted, "Name dofs where a force may have acted.")
     if any(shape_of(one) != () for one in given):
         sets = [one if shape_of(one) != () else (one,) for one in given]
     else:
         if len(given) < order or comb(len(given), order) > _MOST_PLACES:
-            got = f"{len(given)} places for {order} force{'s' * (order > 1)}"
+            got = f"{_counted(len(given), 'place')} for {_counted(order, 'force')}"
             reject("places", got, f"{wanted}; at most {_MOST_PLACES} sets", "Give other places, or the sets.")
         sets = list(combinations(given, order))
     numbers: list[Any] = []
     for nth, own in enumerate(sets):
         dofs = members(model._end(Argument("places").item(nth), own))
         if len({*dofs}) != order:
-            got, needed = f"{len({*dofs})} dofs for {order} forces", f"{order} distinct dofs"
+            got = f"{_counted(len({*dofs}), 'dof')} for {_counted(order, 'force')}"
+            needed = _counted(order, "distinct dof")
             reject(Argument("places").item(nth), got, needed, "Name one dof for each force.")
         numbers.append(tuple(dofs) if order > 1 else dofs[0])
     return list(dict.fromkeys(numbers))
+
+
+def _hidden(root: FloatArray, others: Iterable[FloatArray | None]) -> BoolArray:
+    """Which roots of a response all others that respond have, too; none without any."""
+    apart = (np.abs(root[:, None] - own).min(axis=1, initial=np.inf) for own in others if own is not None)
+    shared = [each <= SHARED * root for each in apart]
+    return np.asarray(np.logical_and.reduce(shared or [np.zeros(root.size, dtype=bool)]))
+
+
+def _counted(n: int, noun: str) -> str:
+    return f"{n} {noun}{'s' * (n != 1)}"

@@ -414,7 +414,7 @@ class AntiresonanceTargets:
         self.sets = sets
         self.forces = [model._end("excitation", s.excitation) for s in sets]
         self.dofs_of = [[model._end("measured dof", dof) for dof in s] for s in sets]
-        self._channels = [_channels(model, s) for s in sets]
+        self._channels = [measured_together(model, s) for s in sets]
         self.parts: list[Part] = []
         self.single: list[bool] = []  # whether each is of one curve, without averages that tell its scatter
         self.stds: list[FloatArray] = []  # standard deviations (Hz) of their values
@@ -515,7 +515,7 @@ class AntiresonanceTargets:
         return measured
 
 
-def _channels(model: StructuralModel, found: AntiresonanceSet) -> list[End]:
+def measured_together(model: StructuralModel, found: AntiresonanceSet) -> list[End]:
     """All responses that were measured together, none where one is no dof of the model.
 
     Of r forces every r channels are a response. What the keys of the set, and the sets of r channels next to
