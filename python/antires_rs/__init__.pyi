@@ -49,6 +49,7 @@ from .signals.one_force import DataCheck, Finding
 from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
 from .support.messages import explain
+from .updating.force_places import ForcePlaces, rank_force_places
 from .updating.identifiability import BoxIdentifiability, identifiability
 from .updating.posterior import ParameterIntervals, ProfileLikelihood
 from .updating.problem import DamagePenalty, UpdatingProblem
@@ -65,7 +66,8 @@ from .watch.series import Series
 __all__ = [
     "AntiresError", "AntiresWarning", "AntiresonanceSet", "AssessedTest", "Assessor", "BoxIdentifiability",
     "Chart", "Comparison", "Constrained", "DamagePenalty", "DamagePrior", "DamageResult", "DataCheck",
-    "DetectionCurves", "Fault", "Finding", "FitOptions", "FrameModel", "FrequencyResponse", "FrequencyTable",
+    "DetectionCurves", "Fault", "Finding", "FitOptions", "ForcePlaces", "FrameModel", "FrequencyResponse",
+    "FrequencyTable",
     "GroundSpring", "History", "Hypotheses", "Hypothesis", "InternalError", "InvalidInputError", "IslandGA",
     "LostWorkerError", "MassSpringChain", "MatchedPoints", "MatrixModel", "Mesh", "MissingDependencyError",
     "ModalSet", "ModalTable", "NodeSpring", "NumericalError", "ObjectiveError", "OptimizeResult",
@@ -77,7 +79,8 @@ __all__ = [
     "detectability", "diameter", "eliminate_constraints", "explain", "fit_rational", "frf", "from_sep005",
     "identifiability", "identify_antiresonances", "identify_modes", "identify_series", "inertia",
     "lagrange_rows", "length", "mass_factor", "match_points", "merge_setups", "monitor", "plan_test",
-    "point_mass", "position", "read_csv", "read_excel", "read_frf_files", "read_hdf5", "read_lvm", "read_mat",
+    "point_mass", "position", "rank_force_places", "read_csv", "read_excel", "read_frf_files", "read_hdf5",
+    "read_lvm", "read_mat",
     "read_matrices", "read_miniseed", "read_model", "read_npz", "read_parquet", "read_tdms", "read_uff",
     "read_wav", "stabilization", "stiffness_factor", "stiffness_reduction", "support_stiffness", "thickness",
     "to_sep005", "track", "transmissibility", "transmissibility_sum", "update", "update_ensemble",
