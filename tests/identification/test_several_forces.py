@@ -6,7 +6,7 @@ import pytest
 import antires_rs as ar
 from antires_rs.identification import minors
 from antires_rs.identification.minors import Subspaces, minors_of, subspace, tangents
-from antires_rs.identification.selection import _joined
+from antires_rs.identification.selection import _joined, order_scatter
 from antires_rs.identification.stability import looks_of
 from antires_rs.signals.averaging import Averaging, average
 from antires_rs.signals.repeats import one_source
@@ -235,6 +235,12 @@ def test_what_a_window_adds_to_the_decay_joins_no_roots():
         s, *_, count = _joined(Known(), 0, true - added, np.ones(2), np.full(2, 0.002), added)
         assert count.tolist() == [1, 1]
         np.testing.assert_allclose(s, true - added)
+
+
+def test_an_order_without_roots_counts_with_the_distance_looked_for():
+    """A double root has no mean of two in it."""
+    found = order_scatter(np.array([1j, 2j]), [np.empty(0, dtype=complex), np.array([1j])], np.array([2, 1]))
+    assert np.isfinite(found).all()
 
 
 # -- How many act
