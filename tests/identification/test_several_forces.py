@@ -6,6 +6,10 @@ import pytest
 import antires_rs as ar
 from antires_rs.identification import minors
 from antires_rs.identification.minors import Subspaces, minors_of, subspace, tangents
+from antires_rs.identification.selection import _joined, order_scatter
+from antires_rs.identification.stability import looks_of
+from antires_rs.signals.averaging import Averaging, average
+from antires_rs.signals.repeats import one_source
 from antires_rs.signals.spectra import Segments
 from reference.deleted_pencils import antiresonances_hz
 from reference.several_forces import record_of, verdict
@@ -203,6 +207,39 @@ def test_records_of_one_force_after_the_other(hits, least):
     assert said.found >= least
     assert said.false <= 2
     assert np.median(np.abs(said.off)) < 2e-3
+
+
+def test_noise_of_as_many_minors_as_channels_is_that_of_minors():
+    """Of three channels and two forces both are three."""
+    hits = [
+        ar.Recording(hit(place, seed).responses[[1, 3, 6]], 400.0, [1, 3, 6])
+        for seed, place in enumerate((0, 4) * 4)
+    ]
+    averages = average(one_source(hits), BAND, Averaging().checked())
+    made = minors.MinorsOfRecord(averages.rec, averages, 2)
+    look = looks_of(averages, BAND, made.directions_of(np.arange(3)))[0]
+    assert look.noise.shape[1] == 3
+    np.testing.assert_allclose(look.noise, look.noise[:, :1] * np.ones(3), rtol=1e-12)
+
+
+def test_what_a_window_adds_to_the_decay_joins_no_roots():
+    """A quarter of a hertz apart, well known; in an exponential window both decay by 6 /s more."""
+
+    class Known:
+        def standard_deviations(self, row, s, means=None):
+            return np.full(s.size, 0.002) if means is None else np.full(len(means), 1e-4)
+
+    true = 2j * np.pi * np.array([57.9, 58.15]) - 0.4
+    for added in (0.0, 6.0):
+        s, *_, count = _joined(Known(), 0, true - added, np.ones(2), np.full(2, 0.002), added)
+        assert count.tolist() == [1, 1]
+        np.testing.assert_allclose(s, true - added)
+
+
+def test_an_order_without_roots_counts_with_the_distance_looked_for():
+    """A double root has no mean of two in it."""
+    found = order_scatter(np.array([1j, 2j]), [np.empty(0, dtype=complex), np.array([1j])], np.array([2, 1]))
+    assert np.isfinite(found).all()
 
 
 # -- How many act

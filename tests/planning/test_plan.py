@@ -324,3 +324,11 @@ def test_what_is_hardly_ever_found_is_never_found_surely(hits):
     curve = fit_logit(severity, found)
     assert curve.a90 > 0.99
     assert curve.bound == np.inf
+
+
+def test_sensors_that_both_forces_reach_by_one_way_are_named():
+    """Behind the last of two forces of a chain all sets of sensors are silent in any band."""
+    with pytest.raises(ar.InvalidInputError, match="or put sensors elsewhere"):
+        ar.plan_test(
+            ar.cases.chain8().model, n_sensors=3, excitations=[(0, 4)], candidates=[5, 6, 7], band_hz=(3, 130)
+        )

@@ -180,7 +180,8 @@ def _candidates(
     std = influence.standard_deviations(sweep.row, s)
     split, count = np.zeros(s.size), np.ones(s.size, dtype=np.int64)
     if lines.order > 1:
-        s, share, std, split, count = _joined(influence, sweep.row, s, share, std)
+        added = lines.added_decay_per_s
+        s, share, std, split, count = _joined(influence, sweep.row, s, share, std, added)
     known = std <= KNOWN * rule.freq_tol * np.abs(s) / (2 * np.pi)
     s, share, std, count = s[known], share[known], np.hypot(std, split)[known], count[known]
     size = np.abs(s)
@@ -217,7 +218,12 @@ BETTER_KNOWN = 0.25  # the mean's standard deviation over that of each root, at 
 
 
 def _joined(
-    influence: Influence, row: int, s: ComplexArray, share: FloatArray, std: FloatArray
+    influence: Influence,
+    row: int,
+    s: ComplexArray,
+    share: FloatArray,
+    std: FloatArray,
+    added_decay_per_s: float,
 ) -> tuple[ComplexArray, FloatArray, FloatArray, FloatArray, NDArray[np.int64]]:
     """Zeros with those that are not told apart as one: dominance, std and split in Hz, number of roots."""
     from scipy.sparse.csgraph import connected_components  # slow to import
@@ -226,7 +232,7 @@ def _joined(
     left = -(half**2).real
     of_left = 2.0 * np.abs(half) * np.sqrt((std[:, None] ** 2 + std**2) / 2.0) * (2 * np.pi)
     near = 2.0 * np.abs(half) <= WIDEST_SPLIT * np.abs(s)
-    damped = (SECOND * (s[:, None] + s).real / 2.0) ** 2
+    damped = (SECOND * ((s[:, None] + s).real / 2.0 + added_decay_per_s)) ** 2  # a window parts nothing
     one = near & near.T & (np.abs(left) <= np.maximum(APART * of_left, damped))
     clusters, label = connected_components(one, directed=False)
     member = label == np.arange(clusters)[:, None]

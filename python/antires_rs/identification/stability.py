@@ -236,7 +236,7 @@ def _of_decays(
             for half in (drawn[: len(each) // 2], drawn[len(each) // 2 :]):
                 vectors.append(directions(Segments.of(spectra[:, :, half]).matrix, scale)[2])
     own_noise = noise / scale / len(each)
-    if own_noise.shape != first.shape:  # that of minors is even over them
+    if directions is not dominant:  # that of minors is even over them
         own_noise = np.repeat(own_noise.mean(axis=1, keepdims=True), first.shape[1], axis=1)
     snr = largest / np.maximum(own_noise.mean(axis=1), 1e-300)
     stacked = np.array(vectors)

@@ -183,7 +183,7 @@ def _virtual_test(
     std = errors.of(layout, [np.exp(each) for each in own])
     inside = layout.inside(roots)
     if not inside.any():
-        reject("band_hz", layout.band_hz, "a band with antiresonances", "Widen it.")
+        reject("band_hz", layout.band_hz, "a band with antiresonances", "Widen it, or put sensors elsewhere.")
     test = VirtualTest(layout, elements, tuple(zip(own, std, strict=True)), model_error)
     return test, (roots.slopes / (np.sqrt(2.0) * np.concatenate(std)[:, None]))[inside]
 

@@ -287,7 +287,7 @@ def plan_test(
         return int(np.isin(found[force].sensor, told.responses(own)).sum()) - told.n_hidden(own)
 
     if not any(map(shown, plans)):
-        reject("band_hz", band, "a band with antiresonances", "Widen it.")
+        reject("band_hz", band, "a band with antiresonances", "Widen it, or put sensors elsewhere.")
 
     def detectable(force: End, chosen: Sequence[int]) -> FloatArray:
         """Of each element, as :func:`assess_damage` tells it after a test."""
