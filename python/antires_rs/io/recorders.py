@@ -446,7 +446,7 @@ def _rounds_to(text: str, step_s: float) -> bool:
     """Whether a step as written is this one, rounded to its last decimal."""
     plain = text.strip().replace(",", ".").lower()
     mantissa, _, exponent = plain.partition("e")
-    last = 10.0 ** min(float(exponent or 0) - len(mantissa.partition(".")[2]), 300.0)
+    last: float = 10.0 ** min(float(exponent or 0) - len(mantissa.partition(".")[2]), 300.0)
     return abs(float(plain) - step_s) <= 0.51 * last
 
 
