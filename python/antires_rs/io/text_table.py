@@ -324,8 +324,8 @@ def _rounding(column: list[str], values: NDArray[Any], point: str) -> float:
         match = _MANTISSA.match(text)  # of the real part of a complex one
         mantissa, exponent = match.groups() if match else ("", None)
         places.append(len(mantissa.partition(point)[2]) - float(exponent or 0))
-    unit: float = 10.0 ** min(-max(places), 300.0)
-    return max(0.5 * unit / (float(np.abs(values).max()) or 1.0), 1e-15)
+    unit: float = 0.5 * 10.0 ** min(-max(places), 300.0)
+    return max(unit / (float(np.abs(values).max()) or 1.0), 1e-15)
 
 
 def _header(file: Path, lines: list[str], table: Table) -> None:
