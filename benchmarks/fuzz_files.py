@@ -1,7 +1,7 @@
 """Fuzzing of what reads files in this process, guided by the lines that are reached (atheris, Linux).
 
 The first byte of an input says which kind of file the rest is. It begins with a good file of each and what
-runs before found (``reference/fuzz_corpus``); changes that reach new lines are changed further. Where a
+runs before found (``reference/fuzz_corpus.zip``); changes that reach new lines are changed further. Where a
 checksum covers a text, or what Rust reads, that is changed, and the checksum made anew. An error that is not
 ours, a minute or 1.5 GB end it; the input is kept as ``fuzz_crash-...``.
 
@@ -16,10 +16,11 @@ import argparse
 import subprocess
 import sys
 import tempfile
+import zipfile
 from importlib.util import find_spec
 from pathlib import Path
 
-FOUND = Path("reference/fuzz_corpus")
+FOUND = Path("reference/fuzz_corpus.zip")
 #: Bytes of one input, and of all that are kept.
 LONGEST, MOST_KEPT = 4096, 150_000
 
@@ -56,13 +57,13 @@ def made(folder):
 
 def kept(inputs):
     """Put the shortest of the new inputs beside those that are there, as far as there is room."""
-    FOUND.mkdir(exist_ok=True)
-    room = MOST_KEPT - sum(each.stat().st_size for each in FOUND.iterdir())
-    for path in sorted(inputs.iterdir(), key=lambda each: each.stat().st_size):
-        room -= path.stat().st_size
-        if room < 0:
-            return
-        (FOUND / path.name[:16]).write_bytes(path.read_bytes())
+    with zipfile.ZipFile(FOUND, "a", zipfile.ZIP_DEFLATED) as corpus:
+        room = MOST_KEPT - sum(each.file_size for each in corpus.infolist())
+        for path in sorted(inputs.iterdir(), key=lambda each: each.stat().st_size):
+            room -= path.stat().st_size
+            if room < 0:
+                return
+            corpus.write(path, path.name[:16])
 
 
 def main():
@@ -76,11 +77,13 @@ def main():
         print("atheris is not installed: nothing is fuzzed.")
         return 0
     with tempfile.TemporaryDirectory() as name:
-        folder, inputs = Path(name), Path(name, "inputs")
+        folder, inputs, before = Path(name), Path(name, "inputs"), Path(name, "before")
         good = made(folder)
+        with zipfile.ZipFile(FOUND) as corpus:
+            corpus.extractall(before)
         limits = ["-timeout=60", "-rss_limit_mb=1500", f"-max_len={LONGEST}", "-artifact_prefix=fuzz_"]
         limits += [f"-max_total_time={asked.seconds}", "-print_final_stats=1"]
-        places = [*map(str, asked.again)] or [str(inputs), *[str(FOUND)] * FOUND.is_dir()]
+        places = [*map(str, asked.again)] or [str(inputs), str(before)]
         command = [sys.executable, "-m", "benchmarks.fuzz_files", "child", name, *limits, *places]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         lines = (done.stdout + done.stderr).splitlines()
