@@ -10,6 +10,7 @@ from scipy.stats import kstest
 
 import antires_rs as ar
 from antires_rs.damage.inference import HIGHEST, log_odds_threshold, refitted
+from antires_rs.damage.options import SearchOptions
 from antires_rs.damage.severity_intervals import sampled
 from tests.support.campaign import some_of
 from tests.support.wrong_chains import N, assessed
@@ -153,5 +154,7 @@ def test_the_threshold_is_the_quantile_of_integrated_evidence():
         odds += np.trapezoid(np.exp(gain), beta, axis=1) / 0.99
     for rate in (0.3, 0.05):
         wanted = np.log(np.quantile(odds, 1.0 - rate)) + prior.log_of(1, 6) - prior.log_of(0, 6)
-        found = log_odds_threshold(slopes, prior, rate, np.random.default_rng(1))
+        found = log_odds_threshold(
+            slopes, prior, SearchOptions(false_alarm_rate=rate), np.random.default_rng(1)
+        )
         assert abs(found - wanted) < 1e-3

@@ -70,7 +70,7 @@ def test_edits_are_printed_and_survive_the_file(tmp_path):
 REFUSED = [(lambda s: s.drop(0, 14.0), "^freq_hz: got 14 Hz at dof 0, which has 12.200, 20.000, 36.200 Hz; ")]
 REFUSED += [(lambda s: s.drop(2, 14.0), "dof 2, which has no value")]
 REFUSED += [(lambda s: s.drop(0, [12.2, 12.21]), "12.200 Hz of dof 0 meant twice")]
-REFUSED += [(lambda s: s.drop(5, 14.0), r"^dof: got 5; wanted one of \(0, 1, 2\)")]
+REFUSED += [(lambda s: s.drop(5, 14.0), r"^dof: got 5; wanted one of 0, 1, 2")]
 REFUSED += [(lambda s: s.drop(0, []), "^freq_hz: got an empty array")]
 REFUSED += [(lambda s: s.drop(0, -1.0), "^freq_hz: got -1 Hz")]
 REFUSED += [(lambda s: s.drop(0, 12.2, reason=3), "^reason")]

@@ -22,7 +22,7 @@ def test_finds_the_minimum_and_says_why_it_ended(islands):
     assert result.fun == sphere(result.x)
     if islands == 4:
         np.testing.assert_allclose(result.x, 0.3, atol=SPHERE)
-        assert "agree" in result.message
+        assert "agree" in result.message or "one solution" in result.message
 
 
 def test_what_agreed_claims_holds_and_genes_alone_do_not_agree_in_a_flat_valley():

@@ -250,7 +250,7 @@ def test_every_class_is_public_and_also_the_fitting_builtin():
 
 # -- Nothing reads a message
 def test_nothing_in_the_package_reads_a_message():
-    """Errors have fields; what TOML and the executors say of their own stands in their texts alone."""
+    """Errors have fields; what TOML, the executors and NumPy say of their own stands in their texts alone."""
     text = r"(str\((exc|error|message)\)|(exc|error)\.args\[0\])"
     read = re.compile(rf"re\.\w+\(.*{text}|{text}\.\w*(partition|split|find|with|index)\(|\bif .*\bin {text}")
     found = {
@@ -259,7 +259,7 @@ def test_nothing_in_the_package_reads_a_message():
         for line in file.read_text(encoding="utf-8").splitlines()
         if read.search(line) and not line.strip().startswith(("...", ">>>"))
     }
-    assert found == {"job.py", "workers.py"}
+    assert found == {"job.py", "matrix_files.py", "workers.py"}
 
 
 # -- Input that is far off: each is an error of ours, at once

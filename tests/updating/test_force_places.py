@@ -117,3 +117,11 @@ def test_roots_on_a_resonance_are_seen_by_transmissibilities():
     assert ranked.best == 2
     assert ranked.explained[0] == ranked.n_values
     assert ranked.missing[0] == 0
+
+
+def test_one_force_named_where_two_act_is_no_answer():
+    record = record_of(CHAIN, (1, 5), 100.0, 0.01, 4)
+    with pytest.warns(ar.AntiresWarning):
+        zeros = ar.identify_antiresonances(record, excitation="somewhere", band_hz=BAND)
+    with pytest.warns(ar.AntiresWarning, match="unfit.*no place"):
+        ar.rank_force_places(CHAIN, zeros, places=[0, 5], band_hz=BAND)

@@ -20,7 +20,7 @@ from ..updating.reduced_model import ReductionReport
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together, without_idle
 from .likelihood import ERRORS, Likelihood, Prepared, Question, ValueLikelihood, View
 from .measured_states import Responses, Values, mostly_risen, roots_at
-from .options import DamagePrior
+from .options import DamagePrior, SearchOptions
 from .reduced_roots import TOLERANCE, ReducedRoots
 from .shapes import BOUNDS, CRACKED, Found, Shaped
 
@@ -640,11 +640,15 @@ _BESIDES = 1.12
 
 
 def log_odds_threshold(
-    slopes: FloatArray, prior: DamagePrior, rate: float, rng: np.random.Generator
-) -> float:
-    """Log odds of damage that this share of intact tests exceeds; ``slopes`` are ``intact_slopes``."""
+    slopes: FloatArray, prior: DamagePrior, options: SearchOptions, rng: np.random.Generator
+) -> float | None:
+    """Log odds of damage that the wanted share of intact tests exceeds, None where probabilities decide;
+    ``slopes`` are ``intact_slopes``."""
     from scipy.special import logsumexp
 
+    rate = options.false_alarm_rate
+    if rate is None:
+        return None
     n = slopes.shape[1]
     size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-6)
     # Height of each severity's peak over its standard deviation, and the room that it has from 0 on.
@@ -819,7 +823,7 @@ def learned_from(
 ) -> Learned:
     """What is known before the values of now are looked at."""
     likelihood, intact, prior = prepared.likelihood, prepared.intact, question.prior
-    error, odd, rate = likelihood.error, prepared.odd, question.options.alarm_share
+    error, odd = likelihood.error, prepared.odd
     draws = 0 if question.reduced else _STRUCTURES
     slopes, *others = intact_slopes(likelihood, len(question.elements), draws)
     gain_std = max(error.gain_std, _ERRS * error.s)
@@ -840,7 +844,7 @@ def learned_from(
         outside=error.outside,
         low=likelihood.band.low,
         high=likelihood.band.high,
-        threshold=None if rate is None else log_odds_threshold(slopes, prior, rate, rng),
+        threshold=log_odds_threshold(slopes, prior, question.options, rng),
         detectable=tuple(smallest.tolist()),
         assumed_std=prepared.responses.assumed,
         n_intact=intact.size,

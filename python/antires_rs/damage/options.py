@@ -92,11 +92,6 @@ class SearchOptions(Options):
     x0: Any = option(None, "Guesses that join the initial populations.", kind="value", scope=ONE_STATE)
 
     @property
-    def alarm_share(self) -> float | None:
-        """Of intact tests, in how many damage is declared; None where probabilities decide."""
-        return self.false_alarm_rate
-
-    @property
     def prices(self) -> tuple[float | None, float | None, float]:
         """Those of damage without a baseline, and what counts as none."""
         return self.gamma1, self.gamma2, self.snap

@@ -598,7 +598,8 @@ class StructuralModel(AroundCore[CoreModel]):
             dofs = _distinct(name, self._dofs(name, [one] if shape_of(one) == () else one))
             if len(dofs) != r:
                 remedy = "An antiresonance of order r belongs to r responses and r forces."
-                reject(name, f"{len(dofs)} dof(s) for {r} force(s)", "as many responses as forces", remedy)
+                got = f"{len(dofs)} response{'s' * (len(dofs) != 1)} for {r} force{'s' * (r != 1)}"
+                reject(name, got, "as many responses as forces", remedy)
             ends.append(tuple(dofs) if r > 1 else dofs[0])
         return ends, tuple(forces) if r > 1 else forces[0], is_one
 

@@ -144,8 +144,8 @@ class Judge:
         self._tabulate(error, roots_at(core, rows, slopes=True, threads=self.threads))
         states = (self.baseline, self.baseline)
         likelihood = Likelihood(core, n, error, *states, self.options.std_common, self.threads)
-        (slopes,), rate = intact_slopes(likelihood, len(self.test.elements)), self.options.alarm_share
-        self.threshold = None if rate is None else log_odds_threshold(slopes, self.prior, rate, self.rng)
+        (slopes,) = intact_slopes(likelihood, len(self.test.elements))
+        self.threshold = log_odds_threshold(slopes, self.prior, self.options, self.rng)
 
     def _tabulate(self, error: ModelError, found: list[Roots]) -> None:
         """Place, covariance and slope of every value under every hypothesis."""

@@ -29,6 +29,7 @@ from ..measured.antiresonance_set import AntiresonanceSet, aligned, number
 from ..measured.matching import check_set, paired
 from ..models.structural_model import StructuralModel, checked_model
 from ..support.checks import BoolArray, FloatArray, IntArray, finite_scalar, frequency_band, members, shape_of
+from ..support.messages import warn
 from ..support.progress import patient
 from ..support.values import Value
 from .targets import measured_together, roots_of
@@ -145,6 +146,11 @@ def rank_force_places(
         A response or place that the model does not have, too few places or too many sets of them, a set
         without values, or no band.
 
+    Warns
+    -----
+    AntiresWarning
+        If the data check of the set found something fatal, as forces of another number.
+
     Examples
     --------
     >>> import antires_rs as ar
@@ -163,6 +169,10 @@ def rank_force_places(
     if not n_values:
         got = f"no antiresonance from {band[0]:g} to {band[1]:g} Hz"
         reject("measured", got, "some that the model can explain", "Widen the band.")
+    checked = measured.data_check.findings if measured.data_check else ()
+    for finding in [one for one in checked if one.severity == "fatal"][:1]:
+        told = "The data are unfit, and these values may be those of no place"
+        warn(finding.name, f"{told}. {finding.text} {finding.advice}")
     silent = [tuple(own) for own in measured.options.get("silent", [])]
     order, rows = measured.order, [*keys, *silent]
     ends = [model._end("measured dof", key) for key in rows]
