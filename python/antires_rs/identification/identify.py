@@ -191,7 +191,9 @@ def settled(
             fits = [likeliest_of(part, options) for part in cut]
             if fits:
                 misfit = misfit_ahead(list(zip(cut, fits, strict=True)))
-                formulation = "numerators" if misfit <= LARGEST_AHEAD else "directions"
+                # Local fits take what a strong mode leaks into the other directions of minors for zeros.
+                ahead = misfit <= LARGEST_AHEAD or lines.order > 1
+                formulation = "numerators" if ahead else "directions"
         except (NumericalError, InvalidInputError):
             formulation = "directions"
     if formulation == "directions":
