@@ -52,14 +52,7 @@ def bracket(moduli: Mapping[str, float] | None = None) -> tuple[str, dict[str, t
             if (i, j) in washers:
                 brick(washers[i, j], xs, ys, (0.0, low))
     ground = sorted(n for place, n in numbers.items() if place[2] == 0.0)
-    lines = ["*NODE, NSET=NALL"]
-    lines += [f"{n}, {', '.join(f'{c:.9g}' for c in place)}" for place, n in numbers.items()]
-    element = 0
-    for name, bricks in sets.items():
-        lines.append(f"*ELEMENT, TYPE=C3D8I, ELSET={name}")
-        for corners in bricks:
-            element += 1
-            lines.append(f"{element}, {', '.join(map(str, corners))}")
+    lines = codes.calculix_mesh(numbers, sets, "C3D8I")
     for name in SETS:
         modulus = (2.1e11 if name in ("FOOT", "WALL") else 2.0e8) * (moduli or {}).get(name, 1.0)
         lines += [f"*MATERIAL, NAME=M{name}", "*ELASTIC", f"{modulus!r}, 0.3", "*DENSITY", "7850."]

@@ -17,6 +17,21 @@ import antires_rs as ar
 Sensors = Mapping[str, tuple[int, int]]  # node and direction from 1, by the name of the channel
 
 
+def calculix_mesh(
+    numbers: Mapping[tuple[float, ...], int], sets: Mapping[str, list[list[int]]], kind: str
+) -> list[str]:
+    """Cards of nodes, by their places, and of the elements of each set."""
+    lines = ["*NODE, NSET=NALL"]
+    lines += [f"{n}, {', '.join(f'{c:.9g}' for c in place)}" for place, n in numbers.items()]
+    element = 0
+    for name, every in sets.items():
+        lines.append(f"*ELEMENT, TYPE={kind}, ELSET={name}")
+        for nodes in every:
+            element += 1
+            lines.append(f"{element}, {', '.join(map(str, nodes))}")
+    return lines
+
+
 def calculix_modes(text: str, sensors: Sensors, folder: Path, n_modes: int) -> ar.ModalSet:
     """Modes that CalculiX finds, at the sensors, mass-normalised; ``text`` is an input file without steps."""
     listed = "".join(f"{node},\n" for node in sorted({node for node, _ in sensors.values()}))

@@ -51,14 +51,7 @@ def plate(
     for name, column in ACROSS.items():
         x = column * dx
         sets[name] = [[node(x, (j + a) * dy, -b * dz) for a, b in around] for j in range(5)]
-    lines = ["*NODE, NSET=NALL"]
-    lines += [f"{n}, {', '.join(f'{c:.9g}' for c in place)}" for place, n in numbers.items()]
-    element = 0
-    for name, rows in sets.items():
-        lines.append(f"*ELEMENT, TYPE=S8R, ELSET={name}")
-        for row in rows:
-            element += 1
-            lines.append(f"{element}, {', '.join(map(str, row))}")
+    lines = codes.calculix_mesh(numbers, sets, "S8R")
     for name in sets:
         modulus = 2.1e11 * (moduli or {}).get(name, 1.0)
         lines += [f"*MATERIAL, NAME=M{name}", "*ELASTIC", f"{modulus!r}, 0.3", "*DENSITY", "7850."]
