@@ -327,7 +327,7 @@ def of_measured_frame() -> None:
     pairs = list(itertools.combinations(range(3), 2))
     found = {
         forces: ar.identify_antiresonances(
-            [columns[k] for k in forces], excitation=list(forces), band_hz=(5.0, 32.0), check="off"
+            [columns[k] for k in forces], excitation=list(forces), band_hz=frame.BAND_HZ, check="off"
         )
         for forces in pairs
     }
@@ -340,7 +340,10 @@ def of_measured_frame() -> None:
             for pair, hz in zeros.items():
                 of_model = fitted.antiresonances(tuple(pair), forces, f_max_hz=40.0)
                 if hz.size or of_model.size:
-                    print(f"  forces {forces}, responses {pair}: {hz.round(3)}, model {of_model.round(3)} Hz")
+                    seen = [f"{f:.3f} ({g})" for f, g in zip(hz, zeros.scores[pair]["grade"], strict=True)]
+                    found_there = ", ".join(seen) or "none"
+                    in_band = of_model[of_model <= frame.BAND_HZ[1]].round(3)
+                    print(f"  forces {forces}, responses {pair}: {found_there}; model {in_band} Hz")
 
 
 def two_tests(seeds: int) -> None:
