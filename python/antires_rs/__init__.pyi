@@ -45,7 +45,7 @@ from .planning.plan import SensorPlan, plan_test
 from .signals.alignment import align
 from .signals.data_check import check_data
 from .signals.frequency_response import FrequencyResponse
-from .signals.one_force import DataCheck, Finding
+from .signals.findings import DataCheck, Finding
 from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
 from .support.messages import explain

@@ -29,7 +29,7 @@ from .likelihood import Likelihood, Prepared, Question
 from .measured_states import Responses, Values, roots_at
 from .shapes import Found, Shape, Shaped, Structure, joined, parameters_of
 
-#: Shares of the prior of what is in no element, by kind.
+#: Shares of the prior of what is in no element, by kind; with that of a sensor they add up to one.
 _ELSEWHERE = {"mass": 0.4, "joint": 0.2, "support": 0.2}
 SENSOR = 0.2
 _LEAST_SENSORS = 3  # with fewer sensors the values of one are not told from those of all

@@ -1,4 +1,4 @@
-"""Pictures, with matplotlib (``pip install "antires-rs[plot]"``).
+"""Pictures, with matplotlib (``pip install "antires-rs[plot]"``); the report and the page draw them by bokeh.
 
 Every function draws into the matplotlib axes ``ax`` and returns them. Without them it makes a pyplot figure,
 so that ``plt.show()`` and notebooks display it as usual; no style, backend or rcParam is ever changed. Where

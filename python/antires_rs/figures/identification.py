@@ -21,7 +21,7 @@ from .marks import COLOURS, Axis, Line, Mark, Panel, Points, Rules
 
 if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram
-    from ..signals.one_force import DataCheck
+    from ..signals.findings import DataCheck
 
 CURVE = "#B8B8B8"  # lighter than every mark, also where colours are lost
 LOOKS: dict[str, tuple[str, Any]] = {  #: Colour and dash of each kind of value.

@@ -35,8 +35,8 @@ from ..measured.merge import merge_setups
 from ..measured.response_table import ResponseTable, key_of
 from ..signals.averaging import Averages, average, drifts
 from ..signals.data_check import judged, judged_together
+from ..signals.findings import DataCheck
 from ..signals.frequency_response import FrequencyResponse, band_of
-from ..signals.one_force import DataCheck
 from ..signals.recording import Recording, without_force
 from ..signals.repeats import AveragedResponse, one_source
 from ..signals.spectra import dominant
@@ -693,5 +693,10 @@ def identify_roving(
         if len(seen) == 1:
             diagrams[dof] = seen[0]
     return AntiresonanceSet.from_tables(
-        sensor, joined.tables, diagrams=diagrams, sees=joined.sees, channels=joined.channels or None
+        sensor,
+        joined.tables,
+        diagrams=diagrams,
+        sees=joined.sees,
+        channels=joined.channels or None,
+        options=joined.options,
     )

@@ -45,7 +45,8 @@ from ..measured.response_table import (
     ResponseTable,
 )
 from ..signals import channel_checks as channels
-from ..signals.one_force import NOISE, ONE_FORCE, UNEXPLAINED, DataCheck
+from ..signals.findings import DataCheck
+from ..signals.one_force import NOISE, ONE_FORCE, UNEXPLAINED
 from ..signals.spectra import prominent_peaks
 from ..support.checks import ComplexArray, FloatArray, members
 from .stabilization import PERSISTENT_SNR, StabilizationDiagram, flanked

@@ -24,7 +24,7 @@ from .edits import BY_HAND, Edit, added, dropped, edit_of, marked
 from .response_table import NUMBERS, ResponseTable, doubts_of, frequencies_hz, key_of, tables_of
 
 if TYPE_CHECKING:
-    from ..signals.one_force import DataCheck
+    from ..signals.findings import DataCheck
 
 NOT_SEEN = "followed, not seen"  # why a value that was followed is among those left out
 #: What a set was identified from, and so which roots of a model it can show.

@@ -154,6 +154,7 @@ def merge_setups(
     AntiresonanceSet
         A dof that several setups have gets the means of its values, weighted by their variances, without
         those that fewer than half of these setups show; the standard deviations grow with the scatter.
+        ``.options`` are those that all setups were made with.
 
     Raises
     ------
@@ -208,7 +209,9 @@ def merge_setups(
     every = {dof: [*tables.values()] for dof, tables in shared.items()}
     means = {dof: joined(own, shift, between) if dof in common else own[0] for dof, own in every.items()}
     sees = kinds.pop() if len(kinds) == 1 else None
-    return AntiresonanceSet.from_tables(force, means, sees=sees, channels=channels)
+    first, *others = (one.options for one in given)
+    options = {name: was for name, was in first.items() if all(one.get(name) == was for one in others)}
+    return AntiresonanceSet.from_tables(force, means, sees=sees, channels=channels, options=options)
 
 
 def _tables(name: str, one: AntiresonanceSet, force: Any, *, stated: bool) -> dict[Any, ResponseTable]:

@@ -153,7 +153,7 @@ class ExpectedErrors:
 
 
 #: Relative distance up to which roots of two responses are one, and from which on transmissibilities show
-#: both in full, as in the core (update/sight.rs).
+#: both in full, as in the core (update/objective.rs).
 ONE, APART = 1e-6, 1e-3
 _STEEPEST = 3.0  # roots that move more, relatively to the change, are about to merge
 

@@ -6,6 +6,6 @@ Under one force the matrix of all spectra has rank one but for noise, which the 
 """
 
 from .data_check import check_data
-from .one_force import DataCheck, Finding
+from .findings import DataCheck, Finding
 
 __all__ = ["DataCheck", "Finding", "check_data"]

@@ -23,8 +23,9 @@ from .averaging import (
     until_noise,
     without_drift,
 )
+from .findings import CheckResults, Finding, NotTested, Severity, rounded
 from .hum import Hum
-from .one_force import NOISE, CheckResults, Evidence, Finding, NotTested, Severity, rounded
+from .one_force import NOISE, Evidence
 from .recording import Recording
 from .spectra import CrossSpectra, pieces
 

@@ -14,18 +14,9 @@ from ..support.progress import patient
 from ..support.values import frozen
 from . import channel_checks as channels, one_force
 from .averaging import LEAST_SAMPLES, SEGMENTS, Averages, Averaging, average, holds_hits, longest_segments
+from .findings import SEVERITIES, CheckResults, DataCheck, Finding, NotTested, one_of_a_kind
 from .frequency_response import FrequencyResponse, band_of
-from .one_force import (
-    SEVERITIES,
-    CheckResults,
-    DataCheck,
-    Evidence,
-    Finding,
-    NotTested,
-    of_curves,
-    of_spectra,
-    one_of_a_kind,
-)
+from .one_force import Evidence, of_curves, of_spectra
 from .recording import Recording, parts_of
 from .repeats import one_source
 from .spectra import CrossSpectra, roughness

@@ -1,219 +1,28 @@
-"""What a data check says: findings with numbers and advice, and the evidence behind them."""
+"""Does one force explain the responses?
+
+Under one force and independent noise the spectral matrix, scaled to equal noise, has one large eigenvalue.
+A second, independent force lifts the second; so do the scatter of few averages, whose mean is known, and
+leakage: within the width of the window the response changes its direction, and the first vectors, spread by
+the window as the window spreads power, tell how much second eigenvalue that makes. A line counts when its
+second eigenvalue stands above both, and above a share of the first.
+
+References: K. Johansson, Commun. Math. Phys. 209 (2000) 437-476, and I. M. Johnstone, Ann. Stat. 29 (2001)
+295-327 (largest eigenvalue of noise); C. Y. Shih et al., Mech. Syst. Signal Process. 2 (1988) 367-377
+(singular values by line).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..support.checks import ComplexArray, FloatArray
-from ..support.values import ReadOnly
-from ..views import Viewed
 from .averaging import Averages
+from .findings import CheckResults, Finding, NotTested, Severity, rounded
 from .spectra import CrossSpectra, pieces, prominent_peaks, running_mean, spectrum, typical_noise
-
-Severity = Literal["fatal", "warning", "note"]
-#: From the one that forbids to the one that informs.
-SEVERITIES: tuple[Severity, ...] = ("fatal", "warning", "note")
-BRIEFS = 4  # of a finding at many channels so many are described
-
-
-@dataclass(frozen=True)
-class Finding:
-    """One thing seen in the data.
-
-    Attributes
-    ----------
-    name : str
-        Of the test: "one_force", "dead_channel", ...; see :func:`~antires_rs.check_data`.
-    severity : {"fatal", "warning", "note"}
-        "fatal": values identified from these data would mislead. "warning": they may be incomplete or less
-        accurate. "note": worth knowing.
-    where : tuple
-        Dofs concerned, empty if all are.
-    value, limit : float
-        What was measured, and where the finding begins.
-    text : str
-        What was seen, with its numbers.
-    advice : str
-        What can be done about it.
-    brief : str
-        What was seen of these dofs in a few words, for a line about several of them.
-
-    Examples
-    --------
-    >>> from antires_rs import Finding
-    >>> seen = Finding("dead_channel", "fatal", (3,), 0.0, 0.1, "Channel 3 is constant.", "Leave it out.")
-    >>> print(seen)
-    fatal: Channel 3 is constant. Leave it out.
-    """
-
-    name: str
-    severity: Severity
-    where: tuple[Any, ...]
-    value: float
-    limit: float
-    text: str
-    advice: str
-    brief: str = ""
-
-    def __str__(self) -> str:
-        return f"{self.severity}: {self.text} {self.advice}"
-
-
-def one_of_a_kind(found: Iterable[Finding]) -> tuple[Finding, ...]:
-    """Findings worst first, those of one kind over several channels made one."""
-    kinds: dict[tuple[str, str], list[Finding]] = {}
-    for finding in sorted(found, key=lambda each: SEVERITIES.index(each.severity)):
-        alone = () if finding.where else (len(kinds),)  # what concerns all channels stands for itself
-        kinds.setdefault((finding.name, finding.severity, *alone), []).append(finding)
-    return tuple(_as_one(of_kind) for of_kind in kinds.values())
-
-
-def _as_one(findings: list[Finding]) -> Finding:
-    """One finding of several; its value is that farthest beyond the limit."""
-    if len(findings) == 1:
-        return findings[0]
-    worst = max(findings, key=lambda each: abs(each.value - each.limit))
-    dofs = tuple(dict.fromkeys(dof for each in findings for dof in each.where))
-    said = dict.fromkeys(each.brief or each.text.rstrip(".") for each in findings)
-    first = findings[:BRIEFS]
-    if len(said) == 1:
-        what = next(iter(said))
-    else:
-        what = "; ".join(f"{_listed(each.where)}: {each.brief or each.text.rstrip('.')}" for each in first)
-        more = len(findings) - len(first)
-        what += f"; and {more} more" if more else ""
-    return replace(worst, where=dofs, text=f"Dofs {_listed(dofs)}: {what}.", brief="")
-
-
-def _listed(dofs: Iterable[Any]) -> str:
-    return ", ".join(str(dof) for dof in dofs)
-
-
-@dataclass(frozen=True)
-class NotTested:
-    """A test that could not be made, and why."""
-
-    name: str
-    why: str
-
-
-CheckResults = list[Finding | NotTested]  # what a test returns
-
-
-def rounded(value: float) -> str:
-    """Two digits, without an exponent where it can be helped."""
-    return f"{float(f'{value:.2g}'):g}"
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class DataCheck(ReadOnly, Viewed):
-    """Whether data are fit for identification, and what is wrong with them.
-
-    Attributes
-    ----------
-    findings : tuple of Finding
-        Worst first.
-    not_tested : mapping of str to str
-        Names of the tests that could not be made, and why.
-    dofs : tuple
-        The channels whose spectra were used: those that are not constant.
-    excitation : int, str, tuple or None
-        The stated dof of the force, or of several forces.
-    band_hz : (low, high)
-    freq_hz : (n_freq,) or None
-        Lines in the band; None where the data do not allow a spectrum at all.
-    eigenvalues : (n_freq, n_channels) or None
-        Of the spectral matrix, largest first, with the channels scaled to equal noise: in units of the noise
-        power. None for measured frequency responses.
-    second_expected : (n_freq,) or None
-        What noise and leakage make the second eigenvalue under one force, on average.
-    coherence : (n_channels, n_freq) or None
-        Highest ordinary coherence of each channel with any other; for a FrequencyResponse its own.
-    n_averages : float or None
-        Effective number of independent averages.
-    nperseg : int or None
-        Samples per segment of the spectra, where segments were used.
-    n_forces : int or None
-        How many uncorrelated forces stand above noise and leakage; None where that cannot be told.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
-    >>> case = ar.cases.chain8()
-    >>> checked = ar.check_data(case.experiment(noise=0.01, rng=1), excitation=0, band_hz=(3, 130))
-    >>> checked.ok, checked.eigenvalues.shape[1]
-    (True, 8)
-    """
-
-    findings: tuple[Finding, ...]
-    not_tested: Mapping[str, str]
-    dofs: tuple[Any, ...]
-    excitation: Any | None
-    band_hz: tuple[float, float]
-    freq_hz: FloatArray | None = None
-    eigenvalues: FloatArray | None = None
-    second_expected: FloatArray | None = None
-    coherence: FloatArray | None = None
-    n_averages: float | None = None
-    nperseg: int | None = None
-    n_forces: int | None = None
-
-    @property
-    def ok(self) -> bool:
-        """True if nothing was found beyond notes."""
-        return all(finding.severity == "note" for finding in self.findings)
-
-    @property
-    def fatal(self) -> bool:
-        """True if values identified from these data would mislead."""
-        return any(finding.severity == "fatal" for finding in self.findings)
-
-    @property
-    def warnings(self) -> list[str]:
-        """One line for each finding but notes, worst first: ``name: what was seen. advice``."""
-        return [f"{f.name}: {f.text} {f.advice}" for f in self.findings if f.severity != "note"]
-
-    def named(self, name: str) -> tuple[Finding, ...]:
-        """Findings of one test, worst first."""
-        return tuple(finding for finding in self.findings if finding.name == name)
-
-    def plot(self, ax: Any | None = None) -> Any:
-        """Draw the eigenvalues of the spectral matrix by line with matplotlib; returns the axes."""
-        return self._view("plot")(self, ax=ax)
-
-    def __repr__(self) -> str:
-        counts = ", ".join(f"{sum(f.severity == s for f in self.findings)} {s}" for s in SEVERITIES)
-        return f"DataCheck({counts}; {len(self.not_tested)} not tested)"
-
-    def __str__(self) -> str:
-        low, high = self.band_hz
-        lines = [
-            f"data check, {low:g}-{high:g} Hz"
-            + ("" if self.n_averages is None else f", {self.n_averages:.1f} independent averages")
-        ]
-        if not self.findings:
-            lines.append("nothing found")
-        lines += [f"{f.severity:8s} {f.name}: {f.text} {f.advice}" for f in self.findings]
-        lines += [f"{'untested':8s} {name}: {why}" for name, why in self.not_tested.items()]
-        return "\n".join(lines)
-
-
-# -- Does one force explain the responses?
-#
-# Under one force and independent noise the spectral matrix, scaled to equal noise, has one large eigenvalue.
-# A second, independent force lifts the second; so do the scatter of few averages, whose mean is known, and
-# leakage: within the width of the window the response changes its direction, and the first vectors, spread by
-# the window as the window spreads power, tell how much second eigenvalue that makes. A line counts when its
-# second eigenvalue stands above both, and above a share of the first.
-#
-# References: K. Johansson, Commun. Math. Phys. 209 (2000) 437-476, and I. M. Johnstone, Ann. Stat. 29 (2001)
-# 295-327 (largest eigenvalue of noise); C. Y. Shih et al., Mech. Syst. Signal Process. 2 (1988) 367-377
-# (singular values by line).
 
 # -- What the tests look at: spectra in the band, brought to equal noise, and their eigenvalues
 

@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.matching import KNOWN, paired
 from ..measured.response_table import ResponseTable, label_array, rows_with
+from ..signals.channel_checks import CLIPPED, DEAD, DROPOUTS, DUPLICATED, QUADRATURE, SPIKES, TIME_SHIFT
+from ..signals.one_force import NOISE
 from ..support.checks import FloatArray
 
 #: A value that so large a part of the baseline's tests has is followed; the others are told as clutter.
@@ -196,8 +198,7 @@ def _pairs(where_hz: FloatArray, table: ResponseTable, max_shift: float) -> list
 # has not as many elsewhere, while those of all other responses are where they should be.
 
 #: Findings of the data check that tell of a channel, not of the structure.
-SENSOR = {"dead_channel", "clipped_channel", "duplicated_channels", "dropouts", "spikes", "time_shift"}
-SENSOR |= {"quadrature", "signal_to_noise"}
+SENSOR = {DEAD, CLIPPED, DUPLICATED, DROPOUTS, SPIKES, TIME_SHIFT, QUADRATURE, NOISE}
 _USUAL = 0.1  # a finding that so large a part of the baseline has as well says nothing new
 #: A place that is nearly always there; a response has lost its antiresonances if fewer than so many remain.
 _SURE, _LEFT = 0.8, 0.34

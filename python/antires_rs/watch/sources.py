@@ -20,8 +20,8 @@ from ..identification.options import sorted_out
 from ..io.own_format import relabelled
 from ..io.registry import ENDINGS, READERS, format_by_ending, natural, read_frf_files
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..signals.findings import Finding
 from ..signals.frequency_response import FrequencyResponse
-from ..signals.one_force import Finding
 from ..signals.recording import Recording
 from ..support.messages import some, unheard
 from ..support.progress import apart

@@ -29,7 +29,7 @@ from ..io.table_files import tried_parquet
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.edits import BY_HAND
 from ..measured.response_table import NUMBERS, ResponseTable
-from ..signals.one_force import DataCheck, Finding
+from ..signals.findings import DataCheck, Finding
 from ..support.checks import Dofs
 from ..support.files import cell, written_beside
 from ..support.values import frozen
