@@ -3,6 +3,7 @@
     python -m tests.main_results.replay                      # all kinds, a table of what differs
     python -m tests.main_results.replay --kind searches --only chain8
     python -m tests.main_results.replay --record             # writes answers.json and files_0 anew
+    python -m tests.main_results.replay --record --kind identifications --only "shake table"   # these alone
     python -m tests.main_results.replay --answers FILE       # recorded on this machine: to 1e-9
 
 Searches are compared bit for bit, assessments by their hypotheses and to 1e-6 in probabilities and
@@ -113,18 +114,18 @@ def main() -> int:
     parser.add_argument("--answers", type=Path, default=ANSWERS)
     args = parser.parse_args()
     if args.record:
-        files.write(files.FOLDER)
-        kept: dict[str, Any] = {
-            "names": names(),
-            "job_keys": files.job_keys(),
-            "files": files.read(files.FOLDER),
-        }
-        for kind in KINDS:
-            kept[kind] = {}
+        kept: dict[str, Any] = {}
+        if args.only or args.kind != list(KINDS):  # all others, and the files, stay as they are
+            kept = json.loads(args.answers.read_text(encoding="utf-8"))
+        else:
+            files.write(files.FOLDER)
+            kept = {"names": names(), "job_keys": files.job_keys(), "files": files.read(files.FOLDER)}
+        for kind in args.kind:
             for name, case in KINDS[kind]():
-                start = time.perf_counter()
-                kept[kind][name] = answer(case)
-                print(f"{kind}: {name} ({time.perf_counter() - start:.1f} s)", flush=True)
+                if args.only in name:
+                    start = time.perf_counter()
+                    kept.setdefault(kind, {})[name] = answer(case)
+                    print(f"{kind}: {name} ({time.perf_counter() - start:.1f} s)", flush=True)
         args.answers.write_text(json.dumps(kept, indent=None) + "\n", encoding="utf-8")
         return 0
     bad = 0

@@ -7,8 +7,9 @@ frequencies of which it holds 20 to 320 periods (with 1 % of damping a free vibr
 there are too few, with its own noise added once more; in every second one channel is left out. Zeros of
 local fits (:mod:`~antires_rs.identification.local_fits`) to the unperturbed directions are candidates. The
 *share* of a candidate is how often perturbed fits see it, within 1.5 %, over stretches of the best of three
-widths, averaged over looks at the same frequencies, of the best of windows. What noise puts into one fit
-others do not see. Accepted is a zero with a share of ``min_share``, or more as more of the other responses
+widths, averaged over looks at the same frequencies, of the best of windows. The candidate moves to the middle
+of what they see, which the fits it came from need not know. What noise puts into one fit others do not see.
+Accepted is a zero with a share of ``min_share``, or more as more of the other responses
 have one in its place, that is
 
 - a dip of the response beside the others, 6 dB deep, on both sides of which the response rises 10 dB over
@@ -19,7 +20,8 @@ have one in its place, that is
   do those of a mode that the force hardly excites, in many responses of one decay at once: off the axis they
   confirm one another, unless they lie at twice the frequency of a strong vibration, as its harmonic.
 
-Two values between which the response does not rise are one, unless most fits must have both.
+Two values between which the response does not rise are one, unless most fits must have both; its frequency is
+the median by share, which neither a split dip nor a stray neighbour moves far.
 
 How many accepted values are false is bounded from the shares (``expected_false``, :func:`false_values`).
 
@@ -33,7 +35,7 @@ Samworth, J. R. Stat. Soc. B 75 (2013) 55-80 (complementary pairs).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -254,6 +256,7 @@ MOST_DAMPING = 0.06  # zeros with more damping shape a trend
 ONE_CANDIDATE, SEEN_WITHIN = 0.007, 0.015
 #: Share of the unperturbed fits from which a zero is a candidate, and distance of two that are accepted.
 LEAST_SIGHTINGS, APART = 0.25, 0.015
+MOVES, STILL = 3, 1e-5  # steps of a candidate to the middle of what perturbed fits see, and the least one
 MARGIN = 0.08  # margin of a stretch at either end in which its zeros do not count
 #: A candidate is judged by this many stretches of each scale, in whose middle part it lies.
 JUDGES, MIDDLE = 2, 0.42
@@ -276,8 +279,7 @@ BETWEEN_DB = 8.0  # how far a response must rise between two values for them to 
 #: Of several values in one dip those count between which it rises less than the first number, with at least
 #: the second part of the largest share.
 SPLIT_DB, COUNTS_IN_DIP = 4.0, 0.7
-#: Values further apart are never one; what stands for a rise where too few lines lie between two.
-ONE_DIP_WITHIN, UNRESOLVED_DB = 0.06, -300.0
+ONE_DIP_WITHIN = 0.06  # values further apart are never one
 #: In a window of a decay an order votes whose fits leave at most so many times what those of the highest do:
 #: one too low for the zeros there misses those close together. Of segments, whose averages leak, all vote.
 UNDERFIT = 8.0
@@ -378,35 +380,51 @@ def _judged(surveyed: list[_Surveyed], sightings: list[_Sightings], n_rows: int)
         for value in _candidates(sightings, row)
         if max(_rise_db(one, row, value) for one in surveyed) >= MENTIONED_DB
     ]
-    seen = [_perturbed(one, places, rng) for one in surveyed]
+    zeros = [_perturbed(one, places, rng) for one in surveyed]
     own_range = surveyed[0].look.n_hits > 0
     strong_hz = np.concatenate([one.look.strong_hz for one in surveyed])
     rows = []
-    for i, (row, _) in enumerate(places):
-        parts = [part for part in (own[i] for own in seen) if part is not None]
+    for i, (row, value) in enumerate(places):
+        for _ in range(1 + MOVES):
+            every = [part for own in zeros if (part := _seen(own[i], value)) is not None]
+            # Looks at the same frequencies together; of windows the one that suits it best.
+            parts = [max(every, key=lambda part: part.share)] if own_range and every else every
+            if not parts:
+                break
+            weights = np.array([part.share for part in parts])
+            before, value = value, float(np.average([part.freq_hz for part in parts], weights=weights))
+            if abs(value / before - 1.0) < STILL:
+                break
         if not parts:
             continue
-        weights = np.array([part.share for part in parts])
-        off_axis = max(part.off_axis for part in parts if part.share >= COUNTS_IN_DIP * weights.max())
-        if own_range:  # the window that suits it best
-            parts, weights = [parts[int(np.argmax(weights))]], np.array([weights.max()])
-        freq = float(np.average([part.freq_hz for part in parts], weights=weights))
-        between = 0.5 * float(np.ptp([part.freq_hz for part in parts]))
+        scatter = [part.scatter for part in parts]
         rows.append(
             (
                 row,
-                freq,
+                value,
                 float(np.median([part.damping_ratio for part in parts])),
-                float(np.hypot(min(part.std_hz for part in parts), between)),
-                off_axis,
-                float(weights.sum()) / (1 if own_range else len(seen)),
-                max(_rise_db(one, row, freq) for one in surveyed),
-                max(_depth_db(one, row, freq) for one in surveyed),
+                float(
+                    np.hypot(min(std for std, _ in scatter), 0.5 * np.ptp([part.freq_hz for part in parts]))
+                ),
+                max(part.off_axis for part in every if part.share >= COUNTS_IN_DIP * weights.max()),
+                float(weights.sum()) / (1 if own_range else len(surveyed)),
+                max(_rise_db(one, row, value) for one in surveyed),
+                max(_depth_db(one, row, value) for one in surveyed),
                 sum(part.fits for part in parts),
-                bool(np.any(np.abs(2.0 * strong_hz / freq - 1.0) < BESIDE)),
+                bool(np.any(np.abs(2.0 * strong_hz / value - 1.0) < BESIDE)),
             )
         )
-    return np.array(rows, dtype=CANDIDATE)
+    return _once(np.array(rows, dtype=CANDIDATE))
+
+
+def _once(found: NDArray[np.void]) -> NDArray[np.void]:
+    """Candidates without those that have moved to the place of another with a larger share."""
+    kept: list[int] = []
+    for i in np.argsort(-found["share"], kind="stable").tolist():
+        same = [k for k in kept if found["row"][k] == found["row"][i]]
+        if np.all(np.abs(found["freq_hz"][same] / found["freq_hz"][i] - 1.0) > ONE_CANDIDATE):
+            kept.append(i)
+    return found[sorted(kept)]
 
 
 def false_values(share: FloatArray, on_average: float, places: float) -> FloatArray:
@@ -545,21 +563,57 @@ def _candidates(sightings: list[_Sightings], row: int) -> list[float]:
 
 
 @dataclass(frozen=True)
+class _Zeros:
+    """Zeros of one response in the perturbed fits of one scale around a place.
+
+    ``both`` (2, n_fits, n_zeros) are frequencies, infinite where damped too much, and damping ratios;
+    ``parts`` the fits of one stretch and order; ``decay_per_s`` is of the window.
+    """
+
+    both: FloatArray
+    parts: list[slice]
+    decay_per_s: float
+
+
+@dataclass(frozen=True)
 class _Seen:
-    """What perturbed fits of one look say of a candidate."""
+    """What the perturbed fits of one look see of a candidate: its frequency over all scales that see it well,
+    and the nearest zero of every fit of the best, (2, n_fits), NaN where none is near."""
 
     share: float
     freq_hz: float
-    damping_ratio: float
-    std_hz: float
-    off_axis: float
-    fits: int
+    nearest: FloatArray
+    zeros: _Zeros
+
+    @property
+    def fits(self) -> int:
+        """How many fits see it."""
+        return int(np.isfinite(self.nearest[0]).sum())
+
+    @property
+    def damping_ratio(self) -> float:
+        """Of the median fit."""
+        return float(np.nanmedian(self.nearest[1]))
+
+    @property
+    def scatter(self) -> FloatArray:
+        """Of frequency and damping within one stretch and order: halves scatter about the whole as the whole
+        about the truth."""
+        own = [self.nearest[:, part] for part in self.zeros.parts]
+        each = [np.nanstd(part, axis=1) for part in own if np.isfinite(part[0]).sum() > 1]
+        return np.asarray(np.median(each, axis=0)) if each else np.zeros(2)
+
+    @property
+    def off_axis(self) -> float:
+        """Standard deviations by which it is further from the axis of its window than the window's decay."""
+        window = self.zeros.decay_per_s / (2.0 * np.pi * self.freq_hz)
+        return float((abs(self.damping_ratio + window) - window) / max(self.scatter[1], 1e-9))
 
 
 def _perturbed(
     one: _Surveyed, places: list[tuple[int, float]], rng: np.random.Generator
-) -> list[_Seen | None]:
-    """How often perturbed fits of one look see each of the places (row, frequency)."""
+) -> list[list[_Zeros]]:
+    """Zeros of the perturbed fits of one look around each of the places (row, frequency), by scale."""
     look = one.look
     views = look.vectors[1:] if len(look.vectors) > 1 else noisy(look.vectors[0], one.noise, rng)
     middles = [np.array([f.stretch.middle_hz for f in own]) for own in one.fits]
@@ -571,57 +625,56 @@ def _perturbed(
             for which in np.argsort(off, kind="stable")[:JUDGES]:
                 if off[which] < MIDDLE or len(off) == 1:
                     asked.setdefault((scale, int(which)), []).append(i)
-    hits: list[list[list[FloatArray]]] = [[[] for _ in SCALES] for _ in places]
+    found: list[list[list[FloatArray]]] = [[[] for _ in SCALES] for _ in places]
     vectors = np.concatenate([look.vectors[:1], views])
-    fitted: dict[tuple[int, int], LocalFits] = {}
+    there = np.any(views != 0.0, axis=1)
     for scale, (_, _, orders) in enumerate(SCALES):
-        places_of = [key for key in asked if key[0] == scale]
-        over = [one.fits[scale][which].stretch for _, which in places_of]
+        places_of = [which for at, which in asked if at == scale]
+        over = [one.fits[scale][which].stretch for which in places_of]
         at_lines = [vectors[:, stretch.lines] for stretch in over]
-        if over:
-            fitted |= zip(places_of, fits(over, look.freq_hz, at_lines, look.weights, orders), strict=True)
-    for (scale, which), some in asked.items():
-        orders, local = SCALES[scale][2], fitted[scale, which]
-        rows = sorted({places[i][0] for i in some})
-        there = np.any(views != 0.0, axis=1)
-        left = [float(np.median(local.misfit[order])) for order in orders]
-        most = UNDERFIT * left[-1] if look.n_hits else np.inf
-        for order in (order for order, own in zip(orders, left, strict=True) if own <= most):
-            freq, damping = moved(local.zeros(order, rows)[1:], look.decay_per_s)
-            for i in some:
-                row, value = places[i]
-                k = rows.index(row)
-                own, light = freq[:, k], np.abs(damping[:, k]) < 1.5 * MOST_DAMPING
-                off = np.where(light, np.abs(own / value - 1.0), np.inf)
-                best = np.argmin(off, axis=1)
-                at = np.arange(len(views))
-                good = off[at, best] <= SEEN_WITHIN
-                both = np.stack(
-                    [np.where(good, own[at, best], np.nan), np.where(good, damping[at, k, best], np.nan)]
-                )
-                hits[i][scale].append(both[:, there[:, row]])
-    return [_best_scale(each, look) for each in hits]
+        fitted = fits(over, look.freq_hz, at_lines, look.weights, orders) if over else []
+        for which, local in zip(places_of, fitted, strict=True):
+            some = asked[scale, which]
+            rows = sorted({places[i][0] for i in some})
+            left = [float(np.median(local.misfit[order])) for order in orders]
+            most = UNDERFIT * left[-1] if look.n_hits else np.inf
+            for order in (order for order, own in zip(orders, left, strict=True) if own <= most):
+                freq, damping = moved(local.zeros(order, rows)[1:], look.decay_per_s)
+                freq = np.where(np.abs(damping) < 1.5 * MOST_DAMPING, freq, np.inf)
+                both = np.full((2, *freq.shape[:2], orders[-1]), np.inf)
+                both[..., :order] = freq, damping
+                for i in some:
+                    row = places[i][0]
+                    found[i][scale].append(both[:, there[:, row], rows.index(row)])
+    return [
+        [_Zeros(np.concatenate(parts, axis=1), _runs(parts), look.decay_per_s) for parts in by_scale if parts]
+        for by_scale in found
+    ]
 
 
-def _best_scale(by_scale: list[list[FloatArray]], look: Look) -> _Seen | None:
-    """What the scale that sees most of it says."""
-    best: _Seen | None = None
-    for parts in by_scale:
-        if not parts:
-            continue
-        freq, damping = np.concatenate(parts, axis=1)
-        good = np.isfinite(freq)
-        share = float(good.mean()) if good.size else 0.0
-        if good.any() and (best is None or share > best.share):
-            own = freq[good]
-            # Within one stretch and order: halves about the whole scatter as the whole about the truth.
-            each = [np.nanstd(part, axis=1) for part in parts if np.isfinite(part[0]).sum() > 1]
-            std = np.median(each, axis=0) if each else np.zeros(2)
-            value, ratio = float(np.median(own)), float(np.median(damping[good]))
-            window = look.decay_per_s / (2.0 * np.pi * value)
-            off_axis = (abs(ratio + window) - window) / max(std[1], 1e-9)
-            best = _Seen(share, value, ratio, float(std[0]), off_axis, good.size)
-    return best
+def _runs(parts: list[FloatArray]) -> list[slice]:
+    """Where each of the parts lies when they are joined along their second axis."""
+    ends = np.cumsum([part.shape[1] for part in parts]).tolist()
+    return [slice(low, high) for low, high in zip([0, *ends[:-1]], ends, strict=True)]
+
+
+def _seen(by_scale: list[_Zeros], value: float) -> _Seen | None:
+    """What the fits of one look see within reach of a frequency; None if nothing."""
+    each = []
+    for zeros in by_scale:
+        freq, damping = zeros.both
+        off = np.abs(freq / value - 1.0)
+        at, best = np.arange(len(off)), np.argmin(off, axis=1)
+        good = off[at, best] <= SEEN_WITHIN
+        if good.any():
+            nearest = np.where(good, [freq[at, best], damping[at, best]], np.nan)
+            each.append(_Seen(float(good.mean()), float(np.nanmedian(nearest[0])), nearest, zeros))
+    if not each:
+        return None
+    best_of = max(each, key=lambda one: one.share)
+    freq_hz, share = np.array([(one.freq_hz, one.share) for one in each]).T
+    well = share >= COUNTS_IN_DIP * best_of.share
+    return replace(best_of, freq_hz=float(np.average(freq_hz[well], weights=share[well])))
 
 
 def noisy(vectors: ComplexArray, noise: FloatArray, rng: np.random.Generator) -> ComplexArray:
@@ -674,9 +727,9 @@ def _flank_db(one: _Surveyed, row: int, value: float, over: FloatArray) -> float
 def _apart(found: NDArray[np.void], surveyed: list[_Surveyed], min_share: float) -> NDArray[np.void]:
     """One entry a dip: where a response does not rise over its noise between values, noise has split one.
 
-    It keeps the largest share; its frequency is the mean by share, and its error holds their scatter. Values
-    that one zero of a fit cannot stand for stay, if so many fits must have both (at least the sum of the
-    shares less one).
+    It keeps the largest share; its frequency is the median by share, and its error holds their scatter.
+    Values that one zero of a fit cannot stand for stay, if so many fits must have both (at least the sum of
+    the shares less one).
     """
     dips: list[list[NDArray[np.void]]] = []
     for one in found[np.argsort(-found["share"], kind="stable")]:
@@ -692,17 +745,17 @@ def _apart(found: NDArray[np.void], surveyed: list[_Surveyed], min_share: float)
             if between < BETWEEN_DB:
                 near = abs(ends[1] / ends[0] - 1.0) <= ONE_DIP_WITHIN
                 counts = one["share"] >= COUNTS_IN_DIP * first["share"]
-                if near and counts and UNRESOLVED_DB < between < SPLIT_DB:
+                if near and counts and between < SPLIT_DB:
                     dip.append(one)
                 break
         else:
             dips.append([one])
     kept = np.array([dip[0] for dip in dips], dtype=CANDIDATE)
     for entry, dip in zip(kept, dips, strict=True):
-        freq, share = np.array([(one["freq_hz"], one["share"]) for one in dip]).T
-        middle = np.average(freq, weights=share)
-        entry["freq_hz"] = middle
-        entry["std_hz"] = max(entry["std_hz"], np.sqrt(np.average((freq - middle) ** 2, weights=share)))
+        freq, share = np.array(sorted((one["freq_hz"], one["share"]) for one in dip)).T
+        entry["freq_hz"] = np.interp(0.5 * share.sum(), np.cumsum(share) - 0.5 * share, freq)
+        off = freq - entry["freq_hz"]
+        entry["std_hz"] = max(entry["std_hz"], np.sqrt(np.average(off**2, weights=share)))
     return kept[np.lexsort((kept["freq_hz"], kept["row"]))]
 
 
@@ -710,9 +763,9 @@ def _between_db(one: _Surveyed, row: int, a_hz: float, b_hz: float) -> float:
     """How far a response rises over its noise between two values, two lines together."""
     low, high = sorted((a_hz, b_hz))
     if high / low - 1.0 < APART:
-        return UNRESOLVED_DB
+        return -np.inf  # too few lines to tell
     inside = np.flatnonzero((one.look.freq_hz > low) & (one.look.freq_hz < high))
     if inside.size < 3:
-        return UNRESOLVED_DB
+        return -np.inf  # too few lines to tell
     power = np.abs(one.look.vectors[0, inside, row]) ** 2 / np.maximum(one.noise[inside, row], 1e-300)
     return float(10.0 * np.log10(max(np.max(np.minimum(power[1:], power[:-1])), 1e-30)))
