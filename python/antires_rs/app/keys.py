@@ -116,24 +116,15 @@ def _key(paragraph: str) -> Key:
     return Key(name, kind, sentence, default, bool(required), groups, flag)
 
 
-_FLAGS = {  #: Options of an identification that commands have too.
-    "preset": "--preset WORD",
-    "route": "--route WORD",
-    "max_order": "--max-order N>=2",
-    "formulation": "--formulation WORD",
-    "min_share": "--min-share FRACTION",
-}
-
-
 def _of_options(options: Mapping[str, Option], names: Iterable[str]) -> list[Key]:
     """The keys of options of a call, but for those whose values no job can write."""
     kinds = {name: "whole" if options[name].kind == "segment" else options[name].kind for name in names}
     keys = []
     for name, kind in kinds.items():
         if kind != "value":
-            one, flag = options[name], _FLAGS.get(name, "")
+            one = options[name]
             choices = one.choices if name == "formulation" else ()
-            keys.append(Key(name, kind, one.explanation, one.shown, flag=flag, choices=choices))
+            keys.append(Key(name, kind, one.explanation, one.shown, flag=one.flag, choices=choices))
     return keys
 
 
