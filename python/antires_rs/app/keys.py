@@ -14,6 +14,7 @@ from typing import Any
 from ..damage.options import ONE_STATE, TWO_STATES, DamagePrior, SearchOptions, options_with
 from ..identification.options import declared
 from ..io.registry import ENDINGS, formats_of
+from ..models.frame_parts import PARTS
 from ..support.options import Option, small
 
 # -- What a key and a section of a job file are
@@ -115,24 +116,15 @@ def _key(paragraph: str) -> Key:
     return Key(name, kind, sentence, default, bool(required), groups, flag)
 
 
-_FLAGS = {  #: Options of an identification that commands have too.
-    "preset": "--preset WORD",
-    "route": "--route WORD",
-    "max_order": "--max-order N>=2",
-    "formulation": "--formulation WORD",
-    "min_share": "--min-share FRACTION",
-}
-
-
 def _of_options(options: Mapping[str, Option], names: Iterable[str]) -> list[Key]:
     """The keys of options of a call, but for those whose values no job can write."""
     kinds = {name: "whole" if options[name].kind == "segment" else options[name].kind for name in names}
     keys = []
     for name, kind in kinds.items():
         if kind != "value":
-            one, flag = options[name], _FLAGS.get(name, "")
+            one = options[name]
             choices = one.choices if name == "formulation" else ()
-            keys.append(Key(name, kind, one.explanation, one.shown, flag=flag, choices=choices))
+            keys.append(Key(name, kind, one.explanation, one.shown, flag=one.flag, choices=choices))
     return keys
 
 
@@ -213,10 +205,7 @@ elements (required list of frame): [node, node, "section"] of each beam.
 sections (required table of frame): Name = { shape = "tube", outer_diameter_m, thickness_m, youngs_modulus_pa,
     density_kg_per_m3 }, "rectangle" with width_m, height_m, or "general" with area_m2, inertia_m4;
     shear_coefficient = "cowper" or a number makes Timoshenko beams.
-point_masses (list of frame): [node, kg] or [node, kg, inertia in kg m2] of each.
-ground_springs (list of frame): [node, "direction", N/m] of each; directions are u, v, theta in the plane, u,
-    v, w, rx, ry, rz in space.
-node_springs (list of frame): [node, node, N/m] or [node, node, N/m, "direction"] of each.
+<parts>
 fixed (list of frame): Nodes, or [node, "direction"], that cannot move.
 orientation (list of frame): Direction in which the height of the sections points.
 file (text of matrices result): The result.npz of 'antires update', or a file of write_matrices.
@@ -300,6 +289,7 @@ SECTIONS = _sections(  #: In the order of a job file.
         "<prior>", f"{{ {', '.join(f'{name} = {share:g}' for name, share in vars(DamagePrior()).items())} }}"
     ),
     options=_of_options(declared(), declared()),
+    parts=[Key(name, "list", part._in_job, of=(FRAME,)) for name, part in PARTS.items()],
     two_states=_of_options(SearchOptions.declared(), options_with(TWO_STATES)),
     one_state=_of_options(SearchOptions.declared(), options_with(ONE_STATE)),
 )

@@ -19,6 +19,7 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
+from ..models.frame_parts import PARTS
 from ..models.structural_model import StructuralModel
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording, parts_of
@@ -147,12 +148,8 @@ def of_model(model: StructuralModel) -> Facts:
             values = {name: value for name, value in asdict(section).items() if value is not None}
             said = [f"{name} {f'{v:.6g}' if isinstance(v, float) else v}" for name, v in values.items()]
             facts["Sections"].append(f"{model.section_label(i)}: {type(section).__name__}, {', '.join(said)}")
-        carried = (
-            (len(model.point_masses), "point mass", "point masses"),
-            (len(model.ground_springs), "spring to ground", "springs to ground"),
-            (len(model.node_springs), "spring between nodes", "springs between nodes"),
-        )
-        facts["Carried"] = [f"{n or 'no'} {one if n == 1 else many}" for n, one, many in carried]
+        carried = {kind.replace("_", " "): len(model._parts(kind)) for kind in PARTS}
+        facts["Carried"] = [f"{kind}: {n or 'none'}" for kind, n in carried.items()]
         facts["Fixed nodes"] = [_names(sorted({node for node, _ in model.fixed})) or "none"]
     return facts | {"Numbers": ["all from 0, as in Python and in job files"]}
 

@@ -15,6 +15,7 @@ from .marks import Arrows, Axis, Line, Mark, Panel, Paths, Points, Words, xy
 if TYPE_CHECKING:
     from ..models.chain import MassSpringChain
     from ..models.frame import FrameModel
+from ..models.frame_parts import PARTS
 
 
 def _value_by_element(values: Any, count: int) -> FloatArray | None:
@@ -266,15 +267,17 @@ def _elements(model: FrameModel, ends: FloatArray, values: FloatArray | None, la
 
 
 def _carried(model: FrameModel, points: FloatArray) -> list[Mark]:
-    """Fixed nodes, point masses, springs to ground and between nodes; smaller markers over larger ones."""
+    """Fixed nodes and parts, those between nodes as coils; smaller markers over larger ones."""
     held: dict[int, list[str]] = {}
     for node, direction in model.fixed:
         held.setdefault(node, []).append(direction)
     marks: list[Mark] = []
-    for nth, spring in enumerate(model.node_springs):
-        a, b = points[spring.node], points[spring.other]
-        marks.append(Paths([_coil(a, b, 0.03)], "black", width=1.0, label=None if nth else "node spring"))
-        marks.append(Points(*xy([a, b]), "D", 3.5))
+    for kind in PARTS:
+        joined = [points[[each.node, each.other]] for each in model._parts(kind) if hasattr(each, "other")]
+        for nth, (a, b) in enumerate(joined):
+            label = None if nth else kind.replace("_", " ").removesuffix("s")
+            marks.append(Paths([_coil(a, b, 0.03)], "black", width=1.0, label=label))
+            marks.append(Points(*xy([a, b]), "D", 3.5))
     whole = 6 if model.nodes_m.shape[1] == 3 else 3
     for nodes, sign, size, name in (
         ([node for node, of in held.items() if len(of) == whole], "s", 11.0, "fixed"),

@@ -67,11 +67,13 @@ class CallOptions(Options):
         '"paper", "strict" or "sensitive": a named set of the options below.',
         kind="text",
         choices=(None, *PRESETS),
+        flag="--preset WORD",
     )
     route: str = option(
         "transmissibility",
         '"transmissibility" reads responses only, "frf" uses a measured force.',
         choices=("transmissibility", "frf"),
+        flag="--route WORD",
     )
     estimator: str = option("rank1", '"rank1", "h1", "h2" or "hv".', choices=("rank1", "h1", "h2", "hv"))
     nperseg: int | None = option(
@@ -84,6 +86,7 @@ class CallOptions(Options):
         kind="whole",
         low=2,
         high=HIGHEST_ORDER,
+        flag="--max-order N>=2",
     )
     check: str = option(
         "warn",
@@ -123,6 +126,7 @@ class FitOptions(Options):
         '"windows" for given curves and impacts as clean as these; for other records "numerators" if that '
         'fit predicts held-back segments to the noise, else "directions"; without estimator "rank1" "joint".',
         choices=CHOICES,
+        flag="--formulation WORD",
     )
     method: str = option(
         "auto",
@@ -161,6 +165,7 @@ class FitOptions(Options):
         low=0.0,
         high=1.0,
         low_open=True,
+        flag="--min-share FRACTION",
     )
     min_depth_db: float = option(
         3.0,

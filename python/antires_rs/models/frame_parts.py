@@ -56,6 +56,7 @@ class PointMass:
     node: int
     mass_kg: float
     inertia_kg_m2: float | Sequence[float] = 0.0
+    _in_job = "[node, kg] or [node, kg, inertia in kg m2] of each."
 
     def _checked(self, name: str, i: int) -> Self:
         inertia, wanted = self.inertia_kg_m2, "one inertia, or three about x, y and z"
@@ -96,6 +97,7 @@ class GroundSpring(_Spring):
     node: int
     direction: str
     stiffness_n_per_m: float
+    _in_job = '[node, "direction", N/m] of each: u, v, theta in the plane, u, v, w, rx, ry, rz in space.'
 
 
 @dataclass(frozen=True)
@@ -118,9 +120,10 @@ class NodeSpring(_Spring):
     direction: str | None = None
 
     _nodes: ClassVar[tuple[str, ...]] = ("node", "other")
+    _in_job = '[node, node, N/m] or [node, node, N/m, "direction"] of each.'
 
 
-#: Kinds of parts by the argument that lists them.
+#: Kinds of parts by the argument that lists them; each says what its key of a job holds.
 PARTS: dict[str, type[PointMass | GroundSpring | NodeSpring]] = {
     "point_masses": PointMass,
     "ground_springs": GroundSpring,

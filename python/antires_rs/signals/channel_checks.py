@@ -32,6 +32,7 @@ from .spectra import CrossSpectra, pieces
 DEAD, CLIPPED, DUPLICATED = "dead_channel", "clipped_channel", "duplicated_channels"
 QUANTIZED = "quantized_channel"
 DROPOUTS, SPIKES, HUM = "dropouts", "spikes", "mains_hum"
+FORCE = "force"
 
 # Part of a channel's range that counts as one level, and how many levels below the extreme are compared with
 # it.
@@ -58,6 +59,41 @@ DEAD_ADVICE = "Check sensor, cable and gain; leave the channel out."
 # Share of the band that a channel may spend under its noise without a note, and the coherence below which a
 # line is more noise than response.
 BURIED, COHERENT = 0.25, 0.5
+
+
+def in_time(rec: Recording, hits: bool) -> tuple[CheckResults, Recording | None]:
+    """All tests of the samples; and the record without channels that are still or twice there."""
+    data, labels = rec.responses, rec.dofs
+    found, still = constant(data, labels)
+    rows = [p for p in range(rec.n_channels) if p not in still]
+    said: CheckResults = list(found)
+    force = rec.force
+    if force is not None and force.max() == force.min():
+        text = "The force is recorded as a constant."
+        advice = "Check its cable; antiresonances do not need it."
+        said.append(Finding(DEAD, "warning", (FORCE,), 0.0, 0.0, text, advice))
+        force = None
+    if not rows:
+        return said, None
+    moving = data if not still else data[rows]
+    names = tuple(labels[p] for p in rows)
+    coarse = quantized(moving, names)
+    few = {dof for one in coarse for dof in one.where}
+    fine = {dof: x for dof, x in zip(names, moving, strict=True) if dof not in few}
+    said += [*coarse, *clipped(fine.values(), tuple(fine))]
+    if force is not None:
+        said += clipped([force], (FORCE,))
+    if hits:
+        why = "in a record of impacts, rest and blows look like dropouts and spikes"
+        said += [NotTested(DROPOUTS, why), NotTested(SPIKES, why)]
+    else:
+        said += interrupted(moving, names, rec.fs_hz)
+    twice, extra = duplicated(moving, names)
+    said += twice
+    keep = [p for p in range(len(rows)) if p not in extra]
+    if len(keep) == rec.n_channels and force is rec.force:
+        return said, rec
+    return said, Recording(moving[keep], rec.fs_hz, [names[p] for p in keep], force)
 
 
 def constant(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding], list[int]]:

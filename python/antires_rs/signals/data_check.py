@@ -65,7 +65,6 @@ BY_LINE = (
     one_force.FORCE_LOCATION,
 )
 SINGLE_HIT, MISSED_HIT = "single_hit", "missed_hit"
-FORCE = "force"
 # The force explains so much of a response at a resonance, or its FRF there is not believed.
 LEAST_COHERENCE = 0.8
 
@@ -148,8 +147,8 @@ def _in_parts(rec: Recording, hits: bool) -> tuple[CheckResults, Recording | Non
     """The tests of the samples in every one of several records; and the channels that are well in all."""
     parts = parts_of(rec)
     if len(parts) == 1:
-        return _in_time(rec, hits)
-    each = [_in_time(part, hits) for part in parts]
+        return channels.in_time(rec, hits)
+    each = [channels.in_time(part, hits) for part in parts]
     alive = [set(live.dofs) for _, live in each if live is not None]
     well = set.intersection(*alive) if len(alive) == len(parts) else set()
     rows = [p for p, dof in enumerate(rec.dofs) if dof in well]
@@ -157,43 +156,6 @@ def _in_parts(rec: Recording, hits: bool) -> tuple[CheckResults, Recording | Non
     if not rows or len(rows) == rec.n_channels:
         return said, rec if rows else None
     return said, Recording(rec.responses[rows], rec.fs_hz, [rec.dofs[p] for p in rows], rec.force)
-
-
-def _in_time(rec: Recording, hits: bool) -> tuple[CheckResults, Recording | None]:
-    """Tests of the samples; and the record without channels that are still or twice there."""
-    data, labels = rec.responses, rec.dofs
-    found, still = channels.constant(data, labels)
-    rows = [p for p in range(rec.n_channels) if p not in still]
-    said: CheckResults = list(found)
-    force = rec.force
-    if force is not None and force.max() == force.min():
-        text, advice = (
-            "The force is recorded as a constant.",
-            "Check its cable; antiresonances do not need it.",
-        )
-        said.append(Finding(channels.DEAD, "warning", (FORCE,), 0.0, 0.0, text, advice))
-        force = None
-    if not rows:
-        return said, None
-    moving = data if not still else data[rows]
-    names = tuple(labels[p] for p in rows)
-    coarse = channels.quantized(moving, names)
-    few = {dof for one in coarse for dof in one.where}
-    fine = {dof: x for dof, x in zip(names, moving, strict=True) if dof not in few}
-    said += [*coarse, *channels.clipped(fine.values(), tuple(fine))]
-    if force is not None:
-        said += channels.clipped([force], (FORCE,))
-    if hits:
-        why = "in a record of impacts, rest and blows look like dropouts and spikes"
-        said += [NotTested(channels.DROPOUTS, why), NotTested(channels.SPIKES, why)]
-    else:
-        said += channels.interrupted(moving, names, rec.fs_hz)
-    twice, extra = channels.duplicated(moving, names)
-    said += twice
-    keep = [p for p in range(len(rows)) if p not in extra]
-    if len(keep) == rec.n_channels and force is rec.force:
-        return said, rec
-    return said, Recording(moving[keep], rec.fs_hz, [names[p] for p in keep], force)
 
 
 def _frfs(spectra: CrossSpectra, rows: list[int]) -> ComplexArray:
@@ -367,8 +329,8 @@ def check_data(
     -----
     The tests, by name:
 
-    - ``dead_channel``, ``clipped_channel``, ``quantized_channel``, ``duplicated_channels``, ``dropouts``,
-      ``spikes``, ``signal_to_noise``: of single channels;
+    - from ``dead_channel`` to ``spikes``, and ``signal_to_noise``: of single channels, each explained by
+      :func:`~antires_rs.explain`;
     - ``time_shift``, ``quadrature``: a channel late against the others, or of another kind. Polarity cannot
       be seen in data, nor can two channels that are exchanged, unless one is the driving point;
     - ``drift``: a resonance that is elsewhere at the end than at the beginning;

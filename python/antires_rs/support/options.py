@@ -36,6 +36,7 @@ class Option:
     #: What it is a measure in, and the kind of call for which alone it counts; '' for none, and for all.
     unit: str = ""
     scope: str = ""
+    flag: str = ""  # the same on the command line, as in ``--max-order N>=2``; '' for an option of jobs alone
 
     @property
     def explanation(self) -> str:

@@ -82,7 +82,7 @@ pub enum Crossover {
 
 impl Crossover {
     /// The paper's four, in the order its islands use them.
-    pub const ALL: [Self; 4] =
+    pub const PAPER: [Self; 4] =
         [Self::Arithmetic, Self::Heuristic { tries: 3 }, Self::Blend { alpha: 0.5 }, Self::Uniform];
 
     /// The operator of that name, with default settings.
@@ -90,8 +90,8 @@ impl Crossover {
     /// # Errors
     /// If there is none; the message lists the names.
     pub fn from_name(name: &str) -> Result<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| {
-            let names = Self::ALL.map(|kind| format!("'{}'", kind.name())).join(", ");
+        Self::PAPER.into_iter().find(|kind| kind.name() == name).ok_or_else(|| {
+            let names = Self::PAPER.map(|kind| format!("'{}'", kind.name())).join(", ");
             Error::input("crossovers", format!("'{name}'"), format!("one of {names}"))
                 .remedy("Leave it out for one of each.")
         })
@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn names_lead_back_to_their_operators() {
-        for kind in Crossover::ALL {
+        for kind in Crossover::PAPER {
             assert_eq!(Crossover::from_name(kind.name()), Ok(kind));
         }
         assert_eq!(
@@ -234,7 +234,7 @@ mod tests {
         for alpha in [-0.1, f64::NAN, f64::INFINITY] {
             assert!(Crossover::Blend { alpha }.validate().is_err(), "{alpha}");
         }
-        assert!(Crossover::ALL.iter().all(|kind| kind.validate().is_ok()));
+        assert!(Crossover::PAPER.iter().all(|kind| kind.validate().is_ok()));
     }
 
     proptest! {
@@ -254,7 +254,7 @@ mod tests {
             let (mut c, mut d) = (vec![0.0; a.len()], vec![0.0; a.len()]);
             let mut rng = Rng::new(seed, 0);
             for _ in 0..20 {
-                Crossover::ALL[kind].cross(&a, &b, &bounds, &mut rng, &mut c, &mut d);
+                Crossover::PAPER[kind].cross(&a, &b, &bounds, &mut rng, &mut c, &mut d);
                 prop_assert!(bounds.contain(&c) && bounds.contain(&d), "{c:?} {d:?}");
             }
         }
@@ -268,7 +268,7 @@ mod tests {
             let bounds = Bounds::uniform(x.len(), -5.0, 5.0).unwrap();
             let (mut c, mut d) = (vec![0.0; x.len()], vec![0.0; x.len()]);
             let mut rng = Rng::new(seed, 0);
-            Crossover::ALL[kind].cross(&x, &x, &bounds, &mut rng, &mut c, &mut d);
+            Crossover::PAPER[kind].cross(&x, &x, &bounds, &mut rng, &mut c, &mut d);
             prop_assert_eq!(&c, &x);
             prop_assert_eq!(&d, &x);
         }

@@ -96,7 +96,7 @@ impl Default for IslandOptions {
         Self {
             islands: 4,
             population: 40,
-            crossovers: Crossover::ALL.to_vec(),
+            crossovers: Crossover::PAPER.to_vec(),
             crossover_probability: 0.80,
             mutation_probability: 0.02,
             selection_pressure: 0.08,

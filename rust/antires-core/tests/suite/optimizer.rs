@@ -85,7 +85,7 @@ fn any_number_of_islands_works() {
         let outcome = run(&sphere, &bounds, &options, 3);
         assert_eq!(outcome.islands.len(), islands);
         for (i, island) in outcome.islands.iter().enumerate() {
-            assert_eq!(island.crossover, Crossover::ALL[i % 4]);
+            assert_eq!(island.crossover, Crossover::PAPER[i % 4]);
         }
         assert_eq!(outcome.status == Status::Stagnated, islands == 1);
         assert_eq!(outcome.migrations == 0, islands == 1);
