@@ -71,6 +71,8 @@ lint: build  ## clippy, rustdoc, ruff, import contracts, mypy, stubtest
 	cargo fmt --check
 	cargo clippy --locked --workspace --all-targets --all-features -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps -p antires-core
+	@if cargo deny --version >/dev/null 2>&1; then cargo deny check; \
+		else echo "cargo-deny is not installed: advisories, licences and sources of crates are not checked"; fi
 	$(BIN)/ruff format --check $(SOURCES)
 	$(BIN)/ruff check $(SOURCES)
 	$(BIN)/lint-imports

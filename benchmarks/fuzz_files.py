@@ -70,6 +70,7 @@ def main():
     """How many inputs were tried, and the error if one ended it."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seconds", type=int, default=60)
+    parser.add_argument("--seed", type=int, default=0, help="of the changes; 0 is another one each time")
     parser.add_argument("--keep", action="store_true", help="keep new inputs in the corpus")
     parser.add_argument("--again", type=Path, nargs="*", default=[], help="inputs to be tried once")
     asked = parser.parse_args()
@@ -82,7 +83,7 @@ def main():
         with zipfile.ZipFile(FOUND) as corpus:
             corpus.extractall(before)
         limits = ["-timeout=60", "-rss_limit_mb=1500", f"-max_len={LONGEST}", "-artifact_prefix=fuzz_"]
-        limits += [f"-max_total_time={asked.seconds}", "-print_final_stats=1"]
+        limits += [f"-max_total_time={asked.seconds}", f"-seed={asked.seed}", "-print_final_stats=1"]
         places = [*map(str, asked.again)] or [str(inputs), str(before)]
         command = [sys.executable, "-m", "benchmarks.fuzz_files", "child", name, *limits, *places]
         done = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -26,6 +26,9 @@ def test_failures_become_exit_codes_without_traceback_and_bugs_are_not_hidden(tm
     err = capsys.readouterr().err
     assert "taken" in err
     assert "Traceback" not in err
+    monkeypatch.setattr(demo, "demo", lambda args: bytearray(2**62))
+    assert cli.main(["demo"]) == 1
+    assert capsys.readouterr().err == "antires: error: there is not enough memory.\n"
     monkeypatch.setattr(demo, "demo", lambda args: [][1])
     with pytest.raises(IndexError):
         cli.main(["demo"])

@@ -96,6 +96,16 @@ def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
     numbered = ar.write_npz(tmp_path / "record.npz", ar.Recording(noise, 32.0))
     assert cli.main(["init", str(job), "--data", str(numbered), "--overwrite"]) == 0
     assert "dofs" not in tomllib.loads(job.read_text())["data"]
+    rounded = tmp_path / "rounded.csv"  # six digits of a time that has more
+    rows = (f"{99.985 + i / 2048.0:.6g};{a:.4f};{b:.4f}" for i, (a, b) in enumerate(noise.T))
+    rounded.write_text("\n".join(["time [s];a [m/s2];b [m/s2];CH8 [V]", *(f"{row};0" for row in rows), ""]))
+    call = ["init", str(job), "--overwrite", "--data", str(rounded)]
+    for flags, said in (((), "give the rate by --fs"), (("--fs", "2048"), "hammer by --force")):
+        assert cli.main([*call, *flags]) == 1
+        assert said in capsys.readouterr().err
+    assert cli.main([*call, "--force", "CH8", "--fs", "2048"]) == 0
+    data = tomllib.loads(job.read_text())["data"]
+    assert (data["fs_hz"], data["force"], data["dofs"]) == (2048.0, "CH8", {"a": "?", "b": "?"})
 
 
 def test_init_with_the_file_of_a_model_leaves_nothing_to_fill_in(tmp_path, capsys):

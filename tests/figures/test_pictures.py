@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 import antires_rs as ar
 from antires_rs import figures
 from antires_rs.figures.canvas import dash_of, picture
+from antires_rs.figures.damage import probabilities
 from antires_rs.figures.identification import LOOKS
 from antires_rs.figures.marks import COLOURS
 from antires_rs.signals.data_check import check_data
@@ -330,6 +331,14 @@ def test_hypotheses_are_bars_of_their_probability(halves, ax):
     assert "\n40.0 % (" in first
     assert last.endswith("together")
     assert sum(bar.get_width() for bar in ax.patches) == pytest.approx(1.0)
+
+
+def test_long_names_of_hypotheses_leave_room_for_the_bars(halves, monkeypatch):
+    long = "element 0 and element 4: crack 0.075 m (0.0436 to 0.245) from node 0 in element 0; " * 2
+    monkeypatch.setattr(type(halves.hypotheses), "called", lambda self, one: long)
+    names = probabilities(halves.hypotheses).y.names
+    assert max(len(line) for name in names for line in name.split("\n")) <= 48
+    assert picture(lambda ax: halves.hypotheses.plot(ax=ax), (8.0, 6.0))  # no warning of its layout
 
 
 # -- Structures

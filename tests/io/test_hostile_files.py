@@ -1,6 +1,7 @@
 """Files made to do harm: none crashes, hangs, fills the memory, opens another file or runs its content."""
 
 import gzip
+import json
 import os
 import pickle
 import re
@@ -19,7 +20,9 @@ from scipy import sparse
 
 import antires_rs as ar
 from antires_rs.io import archive, child_process, matrix_files
+from tests.support.campaign import some_of
 from tests.support.job_files import DAMAGE, write_measured
+from tests.support.paths import ROOT
 from tests.support.refusals import refused, unsuitable
 
 for _package in ("h5py", "pyarrow"):
@@ -362,3 +365,20 @@ def test_time_grows_with_the_length_of_a_file(tmp_path, name):
     with pytest.raises(ar.UnsuitableDataError):
         read(tmp_path / name)
     assert time.process_time() - start < 10.0
+
+
+#: Read and written in this process, and by a child process.
+SHORT_OF_MEMORY = ["identification", "csv", "npz of ours", "matrices of ours", "antiresonances", "uff binary"]
+SHORT_OF_MEMORY += ["series sqlite", "mat5"]
+
+
+@pytest.mark.parametrize(("each", "kinds"), some_of([(6, SHORT_OF_MEMORY), (100, [])]))
+def test_allocations_that_fail_are_told_and_leave_whole_files(tmp_path, each, kinds):
+    pytest.importorskip("_testcapi", exc_type=ImportError)
+    pytest.importorskip("resource")
+    command = [sys.executable, "-m", "tests.support.failing_allocations", tmp_path, str(each), *kinds]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["wrong"] == []
+    assert found["seen"]["MemoryError"] > found["seen"]["of others"]

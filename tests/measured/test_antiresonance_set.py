@@ -125,7 +125,9 @@ def test_dataframe(monkeypatch):
 WRONG = {"freq_hz": [{}, [1.0, 2.0], {0: [1.0, -2.0]}, {0: [0.0]}, {0: [np.nan]}, {0: ["x"]}, {1.5: [1.0]}]}
 WRONG |= {"excitation": [None]}
 WRONG |= {"damping_ratio": [{1: [0.1]}, {0: [0.1, 0.2]}, [0.1], {0: ["x"]}, {0: [np.inf]}]}
-WRONG |= {"std_hz": [{0: [-0.1]}], "scores": [{5: {"rows": [1]}}, {0: {"rows": [1, 2]}}], "sees": ["both"]}
+WRONG |= {"std_hz": [{0: [-0.1]}], "sees": ["both"]}
+WRONG["scores"] = [{5: {"rows": [1]}}, {0: {"rows": [1, 2]}}, {0: {"rows": ["many"]}}, {0: {"why": [1j]}}]
+WRONG["scores"] += [{0: [1]}, {0: {"rows": [[1], [2, 3]]}}]
 WRONG |= {"channels": ["01", [5], 3]}
 
 
@@ -200,6 +202,13 @@ def test_a_doubt_of_all_channels_is_not_said_twice():
     assert "second force" in doubts[1]
 
 
+@pytest.mark.parametrize("known", [{}, {"depth_db": [3.0, 9.0]}, {"rows": [5, 30]}, {"share": [0.5, np.nan]}])
+def test_grades_by_hand_without_other_scores_are_printed(known):
+    one = AntiresonanceSet(0, {0: [8.7, 12.2]}, scores={0: {"grade": ["weak", "fair"], **known}})
+    assert doubts_of(one.tables[0]) == [["few orders"] if "rows" in known else [], []]
+    assert str(one).splitlines()[3].split() == ["12.200", "fair"]
+
+
 # ---- What goes with a set through edits, files, names, problems and joining: sight, and what was left out
 def some(**options):
     return ar.AntiresonanceSet(0, {0: [8.7, 12.2], 1: [14.4]}, **options)
@@ -229,7 +238,9 @@ def test_edits_and_files_keep_it(rich, tmp_path):
         assert_same_set(back, one)
         assert_same_set(back.original(), one.original())
         assert (str(back), back.options) == (str(one), one.options)
-    assert "left out: 2 (2 no peak), see .left_out\nunexplained: 1, see .unexplained_hz" in str(rich)
+    assert "left out: 2 (2 no peak), see .left_out\npeaks without a value: 1, see .unexplained_hz" in str(
+        rich
+    )
 
 
 def test_other_names_and_problems_keep_it_and_channels_unless_one_has_none(rich, tmp_path):

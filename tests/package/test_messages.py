@@ -1,6 +1,7 @@
 """Every message that the package writes, of library and command line, on one page: to be read in one go."""
 
 import ast
+import re
 from pathlib import Path
 
 import antires_rs
@@ -67,11 +68,68 @@ def messages_of(tree):
                     yield function.name, name, " / ".join(parts)
 
 
+# -- Those of the core and its binding, whose sources are read as text
+RUST = ROOT.parents[1] / "rust"
+#: What makes an error; what stands in brackets behind it is said.
+RAISING = (
+    r"Error::(input)\(|Error::(Numerical) \{|check_(memory)\(|(\w+Error)::new_err\(|\b(internal|refuse)\("
+)
+TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|//[^\n]*|[(\[{]|[)\]}]|,', re.DOTALL)
+
+
+def arguments(source, start):
+    """What stands between commas up to the bracket that closes, and where that is."""
+    depth, parts, last = 0, [], start
+    for token in TOKEN.finditer(source, start):
+        depth += (token[0] in "([{") - (token[0] in ")]}")
+        if depth < 0 or (depth == 0 and token[0] == ","):
+            parts.append(source[last : token.start()].strip())
+            last = token.end()
+        if depth < 0:
+            break
+    return [part for part in parts if part], last
+
+
+def said_in_rust(part, before):
+    """A text of the source with what is put into it in braces; ``before`` is the function up to it."""
+    part = re.sub(r"^(\w+: |&|\|\| )+|(\.into\(\)|\.to_string\(\))$", "", " ".join(part.split())).strip()
+    if part.startswith('"'):
+        return re.sub(r"\\ *", "", part[1:-1])
+    if part.startswith("format!("):
+        text, *given = arguments(part, len("format!("))[0]
+        filled = iter(given)
+        return re.sub(r"\{(:[^}]*)?\}", lambda _: f"{{{next(filled)}}}", said_in_rust(text, before))
+    if part.isidentifier() and (given := re.findall(rf"let {part}(?:: [^=]*)? = ([^;]*);", before)):
+        return said_in_rust(given[-1], "")
+    return f"{{{part}}}"
+
+
+def messages_in_rust(source):
+    """Function, kind and text of every error that a file makes."""
+    source = source.partition("#[cfg(test)]\nmod")[0]
+    for found in re.finditer(RAISING, source):
+        name, (parts, end) = next(filter(None, found.groups())), arguments(source, found.end())
+        if len(parts) == 1 and parts[0].startswith("("):
+            parts, _ = arguments(parts[0], 1)
+        if remedy := re.compile(r"\s*\.remedy\(").match(source, end):
+            parts += arguments(source, remedy.end())[0]
+        *_, before = re.split(r"\bfn (?=\w)", source[: found.start()])
+        texts = [said_in_rust(part, before) for part in parts]
+        # What only hands on what it was given says nothing.
+        handed_on = all(text.strip("{}").isidentifier() for text in texts)
+        if not handed_on and not source[: found.start()].endswith("fn "):
+            yield re.match(r"\w+", before)[0], name, " / ".join(texts)
+
+
 def test_all_messages():
     found = {}
     for path in sorted(ROOT.rglob("*.py")):
         for function, name, text in messages_of(ast.parse(path.read_text(encoding="utf-8"))):
             where = f"{path.relative_to(ROOT).as_posix()} {function} {name}"
             found.setdefault(where, {})[" ".join(text.split())] = None
+    for path in sorted(RUST.glob("*/src/**/*.rs")):
+        for function, name, text in messages_in_rust(path.read_text(encoding="utf-8")):
+            where = f"{path.relative_to(RUST).as_posix().replace('/src', '')} {function} {name}"
+            found.setdefault(where, {})[text] = None
     lines = {f"{where} {i}": text for where, texts in found.items() for i, text in enumerate(texts, 1)}
     compare(Path(__file__).with_name("messages.txt"), lines)

@@ -33,8 +33,8 @@ def run(argv: Sequence[str] | None) -> int:
             # The reader (head, less) has gone. Python would complain again when it flushes at exit.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return 1
-        except (AntiresError, OSError) as exc:
-            complain(shell_words(str(exc)))
+        except (AntiresError, OSError, MemoryError) as exc:
+            complain(shell_words(str(exc) or "there is not enough memory."))
             return 2 if isinstance(exc, InvalidInputError) and not isinstance(exc, UnsuitableDataError) else 1
 
 

@@ -16,6 +16,7 @@ from ..identification.options import declared
 from ..io.registry import ENDINGS, formats_of
 from ..models.frame_parts import PARTS
 from ..support.options import Option, small
+from ..support.values import FrozenDict
 
 # -- What a key and a section of a job file are
 
@@ -294,6 +295,10 @@ SECTIONS = _sections(  #: In the order of a job file.
     one_state=_of_options(SearchOptions.declared(), options_with(ONE_STATE)),
 )
 DATA, IDENTIFICATION, PARAMETERS = (SECTIONS[name] for name in ("data", "identification", "parameters"))
+#: How a file is read, without places, and the band.
+READING = [
+    key for key in DATA.keys if key.flag and key.name not in ("excitation", "band_hz", "dofs", "roving")
+]
 TASKS = {  #: What a job of each task may hold, in the order in which ``antires init`` writes it.
     "damage": ("data", "measured", "model", "damage", "identification", "search", "output"),
     "update": ("data", "measured", "model", "parameters", "updating", "identification", "search", "output"),
@@ -426,6 +431,7 @@ def template(
     band_hz: Sequence[float] | None = None,
     model_file: str | None = None,
     baseline: str | None = None,
+    reading: Mapping[str, Any] = FrozenDict(),
 ) -> str:
     """A job to be filled in: valid as it stands, but for the files it names and dofs that are not given."""
     lines = [
@@ -446,7 +452,8 @@ def template(
         "search": {"seed": "0"},
         "output": {"folder": _quoted(name.removesuffix(".toml") + "_results")},
     }
-    kinds = {"data": format_of(file) or "", "model": model}
+    filled["data"] |= {key: json.dumps(value, ensure_ascii=False) for key, value in reading.items()}
+    kinds = {"data": reading.get("format") or format_of(file) or "", "model": model}
     if task == "series":  # every format is explained
         kinds, filled["output"] = {}, {}
     if channels:

@@ -8,10 +8,13 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from .._core import __version__
 from ..support.messages import EDIT_WANTED, edit_named
+
+if TYPE_CHECKING:
+    from .keys import Key
 
 # -- Wrong usage of ``antires``: the sentence of argparse, in one line
 
@@ -182,6 +185,7 @@ init (studies.init): write a job file with every key explained
         --excitation DOF: where the force acts
         --band LOW HIGH: lowest and highest frequency in Hz
         --baseline FILE: of a damage: the measurement of the intact structure
+        <reading>
         --overwrite: replace a job file that exists
 identify (studies.identify): antiresonances of a measurement
     Identify the antiresonances of every response in a file, or of the [data] of a job.
@@ -287,12 +291,23 @@ _HELP = {  #: What the help says of an argument that it does not take from the s
 
 def measurement_rows(needed: Sequence[str] = (), without: Sequence[str] = ()) -> Iterator[Row]:
     """How a measurement is read and identified: the keys of a job that have a flag, some of them needed."""
-    from ..io.registry import ENDINGS
-    from ..support.options import small
     from .keys import DATA, IDENTIFICATION
 
-    for key in (*DATA.keys, *IDENTIFICATION.keys):
-        if key.flag and key.name not in without:
+    keys = (*DATA.keys, *IDENTIFICATION.keys)
+    yield from rows_of([key for key in keys if key.name not in without], needed)
+    if "hit" in without:
+        return
+    about = "with --roving: where the force of each file acted, once for each in their order (default: as "
+    yield argument("--hit DOF ...", f"{about}universal files state)")
+
+
+def rows_of(keys: Iterable[Key], needed: Sequence[str] = ()) -> Iterator[Row]:
+    """Those of some keys of a job that have a flag."""
+    from ..io.registry import ENDINGS
+    from ..support.options import small
+
+    for key in keys:
+        if key.flag:
             how: dict[str, Any] = {"dest": key.name}
             if key.name in needed:
                 how["required"] = True
@@ -303,10 +318,6 @@ def measurement_rows(needed: Sequence[str] = (), without: Sequence[str] = ()) ->
             elif " " not in key.flag:
                 how["default"] = None  # a switch that is not given says nothing
             yield argument(key.flag, _HELP.get(key.name, small(key.help).removesuffix(".")), **how)
-    if "hit" in without:
-        return
-    about = "with --roving: where the force of each file acted, once for each in their order (default: as "
-    yield argument("--hit DOF ...", f"{about}universal files state)")
 
 
 class Command(NamedTuple):
@@ -325,6 +336,11 @@ class Command(NamedTuple):
                 continue
             if text == "<test>":
                 yield from measurement_rows(("excitation", "band_hz"), ("roving", "hit"))
+                continue
+            if text == "<reading>":
+                from .keys import READING
+
+                yield from rows_of(READING)
                 continue
             use, _, about = text.partition(": ")
             if "<endings>" in about:

@@ -296,7 +296,7 @@ class Measurement:
         got = f"{dof!r}" if name is None or name == dof else f"{dof!r} for {name!r}"
         remedy = "Dofs count from 0; correct it, or the model."
         if isinstance(dof, str):
-            remedy = f'Say which dof it is: dofs = {{ "{dof}" = 0, ... }}.'
+            remedy = f'Correct the name, or say which dof it is: dofs = {{ "{dof}" = 0, ... }}.'
         return self.job.reject(place, got, f"a dof of the model, 0 to {model.n_dof - 1}", remedy)
 
 
@@ -470,6 +470,9 @@ def _intact(job: Job, at: KeyPath, name: str, number: int, model: StructuralMode
         got = f"{shown(name)}, a measurement beside a [data] that holds antiresonances already"
         remedy = "Identify it first with the same options: antires identify FILE --out intact.json."
         job.reject(at, got, "antiresonances of the intact structure, a .json", remedy)
+    if job.files((*place, "file"), table["file"], folders=True) == files:
+        got, wanted = f"{shown(name)}, which is [data] itself", "a measurement of the intact structure"
+        job.reject(at, got, wanted, "Name that of before, or leave baseline out.")
     known = {key: value for key, value in table.items() if key not in ("repeats", *EDITS)}
     known |= {} if own == FOLDER else {"format": own}
     return [Measurement(job, place, known, model, [(at, path) for path in files]).identified()]

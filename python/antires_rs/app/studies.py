@@ -25,9 +25,9 @@ from . import run as runs
 from .arguments import model_of
 from .command import arguments, existing, hint, new_file, say, show
 from .job import read_job
-from .keys import HEADINGS, MATRICES, MODELS, SIGNAL_ENDINGS, UNSET, format_of, template
+from .keys import HEADINGS, MATRICES, MODELS, READING, SIGNAL_ENDINGS, UNSET, format_of, template
 from .parser import printable
-from .reading import check_files, identified, measured_of, modes_in, read_of, read_signal, refuse_beside
+from .reading import Call, check_files, identified, measured_of, modes_in, read_of, read_signal, refuse_beside
 from .run import RunFolder
 
 
@@ -129,7 +129,10 @@ def init(args: argparse.Namespace) -> int:
             known = read_matrices(kind)
         options["model_file"], kind = _from(job, kind), MATRICES
     if args.data is not None:
-        options |= {"data": _from(job, args.data), **_channels(args.data, known)}
+        own = {key.name: getattr(args, key.name) for key in READING}
+        reading = {name: value for name, value in own.items() if value is not None}
+        options |= {"data": _from(job, args.data), "reading": reading}
+        options |= _channels(args.data, known, reading)
     if args.excitation is not None:
         options["excitation"] = str(args.excitation)
     if args.baseline is not None:
@@ -150,16 +153,16 @@ def _from(job: Path, file: str | Path) -> str:
     return Path(os.path.relpath(file, job.parent)).as_posix()
 
 
-def _channels(file: Path, model: MatrixModel | None) -> dict[str, Any]:
+def _channels(file: Path, model: MatrixModel | None, reading: dict[str, Any]) -> dict[str, Any]:
     """Channels of a measurement and its force, without dofs: numbers would be valid, and mostly wrong.
 
     What a model knows by its name needs none.
     """
     existing("--data", file, "Name the file of the measurement.")
-    kind = format_of(file.name)
+    kind = format_of(file.name, reading.get("format"))
     if kind is None:
         wanted = f"a file that ends in {' '.join(SIGNAL_ENDINGS)}"
-        remedy = f"If the format is one of these, leave --data out and name it in the job; {CONVERT}"
+        remedy = f"Say by --format if it is one of these; {CONVERT}"
         reject("--data", repr(str(file)), wanted, remedy)
     with arguments({"path": "--data"}):
         if kind == "antiresonances":
@@ -167,7 +170,7 @@ def _channels(file: Path, model: MatrixModel | None) -> dict[str, Any]:
             force, names = found.excitation, list(found if found.order == 1 else found.channels)
         else:
             force = force_of(file) if kind == "uff" else None
-            names = list(read_signal(file, kind, {}).dofs)
+            names = list(read_signal(file, kind, reading, Call.spelled).dofs)
     known = all(isinstance(name, int) for name in names)  # the file has dofs already
     if known and kind == "antiresonances":
         return {}

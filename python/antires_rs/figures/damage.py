@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -210,7 +211,8 @@ def probabilities(hypotheses: Hypotheses, most: int = MOST_ROWS) -> Panel:
     losses = [[*zip(one.severities, one.low, one.high, strict=True)] for one in rows]
     said = [", ".join(loss(*each, " %") for each in of) or "-" for of in losses]
     under = [", ".join(f"{100 * s:.1f} % ({span(low, high)})" for s, low, high in of) for of in losses]
-    labels = [f"{name}\n{text}" if text else name for name, text in zip(names, under, strict=True)]
+    # Names of cracks with their places would leave no room for the bars.
+    labels = ["\n".join(wrap(name, 48) + wrap(text, 48)) for name, text in zip(names, under, strict=True)]
     looks: list[dict[str, Any]] = [  # Damage of candidates, no damage, what none of them explains.
         {"face": "blue" if one.elements else "white"} if one.candidate else {"face": "white", "hatch": "////"}
         for one in rows

@@ -158,6 +158,8 @@ def rate_of(path: Path, times: Any, *, digits: float = 1e-9, remedy: str = _INST
     if late.size:
         i = int(late[0])
         found = f"with {times[i]:.9g} s followed by {times[i + 1]:.9g} s after steps of {step:.6g} s"
+        if late.size > times.size // 10:
+            remedy = "Where instants are only written with too few digits, give the rate by fs_hz=."
         unsuitable(path, f"{found} ({late.size} such gaps)", _EVEN, remedy)
     # Steps may also change in the course of the record, each by less than counts as a gap. Jitter of single
     # instants averages out over a part; its two ends have at most a tenth of a step each.

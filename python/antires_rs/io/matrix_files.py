@@ -472,7 +472,7 @@ def matrices_in(name: str, path: PathLike) -> dict[str, Labelled]:
     read, wanted = _ABAQUS if ending == ".mtx" and is_abaqus(file) else FORMATS[ending]
     try:
         found = read(file)
-    except (AntiresError, PermissionError):
+    except (AntiresError, PermissionError, MemoryError):
         raise
     except Exception as exc:  # of SciPy, of zlib, and of what a reader does with odd numbers
         unsuitable(file, f"which is cut, damaged or of another kind ({exc})", wanted)

@@ -19,7 +19,7 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import AntiresError, reject
+from ..exceptions import AntiresError, OutOfMemoryError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import finite_scalar
@@ -206,6 +206,7 @@ def read_archive(
     """Every array of an archive, the checksums of zip compared."""
     import zipfile
 
+    size = file.stat().st_size
     try:
         with open(file, "rb") as opened:  # Opened here: of a damaged archive numpy would leave the file open.
             alone = opened.read(len(_NPY)) == _NPY
@@ -213,7 +214,8 @@ def read_archive(
                 unsuitable(file, "which is no archive", wanted)
             if not alone:
                 members = zipfile.ZipFile(opened).infolist()
-                bounded(file, sum(each.file_size for each in members), "a packed archive")
+                size = sum(each.file_size for each in members)
+                bounded(file, size, "a packed archive")
             opened.seek(0)
             held = np.load(opened, allow_pickle=False)
             arrays = {file.stem: held} if alone else {name: held[name] for name in held.files}
@@ -223,5 +225,8 @@ def read_archive(
             return arrays
     except AntiresError:
         raise
+    except MemoryError:
+        less = "Free some; if the file is small, it is damaged."
+        raise OutOfMemoryError(f"reading {str(file)!r}", size, less) from None
     except Exception as exc:  # of zip, of zlib, of numpy, and of Python's parser, which reads the headers
         unsuitable(file, f"which cannot be read ({brief(exc)})", wanted)

@@ -315,7 +315,7 @@ def functions_of(file: Path, partial: bool) -> list[Function]:
                 factors = _factors(file, *map(float, text.split()[:2]))
         except AntiresError:
             raise
-        except (ValueError, IndexError, TypeError) as exc:
+        except (ValueError, LookupError, TypeError) as exc:
             unsuitable(file, f"whose dataset {i} cannot be read ({exc})", WANTED)
     kept = len(functions)
     bad = [(i, d) for i, d in enumerate(datasets) if d.problem]
@@ -411,7 +411,7 @@ def _own(lines: Sequence[str], first: float, step: float) -> dict[str, Any]:
         try:
             own |= json.loads(line[:80])
         except (ValueError, TypeError):
-            return own
+            break
     numbers = [own.get(name, 0.0) for name in ("start", "step", "rate_hz", "n_averages")]
     header = {"start": first, "step": step}
     agree = all(isinstance(n, int | float) for n in numbers) and all(

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..exceptions import Name, part, reject
+from ..exceptions import Argument, Name, part, reject
 from ..support.checks import Dofs, FloatArray, label, labels, members, real_array
 from ..support.values import FrozenDict, ReadOnly, frozen
 
@@ -22,6 +23,22 @@ COLUMNS = (*NUMBERS, "by_hand")
 
 MOST_SECOND = 0.025  # second eigenvalue over the first beside a value up to which it is of one force
 SURE_SHARE, SURE_SPREAD, SURE_DEPTH_DB = 0.9, 3e-3, 6.0  # of fits over windows: what a value that is sure has
+
+#: Scores that are calculated with.
+FIGURES = frozenset(
+    (
+        "rows",
+        "spread",
+        "dominance",
+        "residual",
+        "prominence_db",
+        "share",
+        "depth_db",
+        "own_depth_db",
+        "second",
+    )
+    + ("averages", "expected_false", "followed", "known_hz")
+)
 
 
 def _score(name: str, says: str) -> Any:
@@ -177,8 +194,9 @@ def doubts_of(table: ResponseTable) -> list[list[str]]:
     if "grade" in table.scores:
         sure = table.scores["grade"].astype(str) == "sure"
         for word, passed in _OF_WINDOWS if "depth_db" in table.scores else _TESTS:
-            for row in np.flatnonzero(~sure & ~passed(table)):
-                found[row].append(word)
+            with suppress(KeyError):  # a score that a set made by hand lacks raises no doubt
+                for row in np.flatnonzero(~sure & ~passed(table)):
+                    found[row].append(word)
     for words, doubt in zip(found, table.scores.get("doubt", ()), strict=False):
         # "second force or noise" beside the value says it already.
         words += [one for one in str(doubt).split(", ") if one and not any(one in word for word in words)]
@@ -254,12 +272,10 @@ def tables_of(
     )
     known: dict[Any, dict[str, NDArray[Any]]] = {}
     for dof, own, n in _by_dof("scores", scores, frequencies, named):
-        known[dof] = {name: np.asarray(given) for name, given in own.items()}
-        for name, array in known[dof].items():
-            if array.shape != (n,):
-                got, wanted = f"an array of shape {array.shape}", f"{n} scores, one for each frequency"
-                remedy = "Give a score for each frequency; NaN where it is not known."
-                reject(part("scores", dof).item(name), got, wanted, remedy)
+        if not isinstance(own, Mapping):
+            wanted = "a mapping of score to one value for each frequency"
+            reject(part("scores", dof), type(own).__name__, wanted, "As in {'grade': ['sure', 'weak']}.")
+        known[dof] = {name: score(part("scores", dof).item(name), given, n) for name, given in own.items()}
     return {d: ResponseTable(own, damping.get(d), std.get(d), known.get(d)) for d, own in frequencies.items()}
 
 
@@ -287,6 +303,22 @@ def _by_dof(
             wanted = f"dofs of freq_hz, {tuple(frequencies)}"
             reject(name, f"dof {dof!r}", wanted, "Leave that dof out, or give its frequencies too.")
         yield dof, value, frequencies[dof].size
+
+
+def score(name: Argument, values: Any, count: int) -> NDArray[Any]:
+    """One score for each frequency: numbers where something is calculated with it."""
+    kinds, what = ("biuf", "numbers") if name.path[-1] in FIGURES else ("biufU", "numbers or texts")
+    remedy = "Give a score for each frequency; NaN where it is not known."
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        reject(name, "lists of different lengths", f"{count} {what}, one for each frequency", remedy)
+    if array.shape != (count,):
+        got, wanted = f"an array of shape {array.shape}", f"{count} scores, one for each frequency"
+        reject(name, got, wanted, remedy)
+    if array.dtype.kind not in kinds:
+        reject(name, f"values of type {array.dtype}", what, remedy)
+    return array
 
 
 def companion(name: Name, value: Any, count: int, *, std: bool) -> FloatArray:

@@ -171,6 +171,8 @@ def frequency_band(name: str, value: Any, *, low_hz: float, high_hz: float) -> t
     slack = 1e-9 * max(high_hz, 1.0)
     if not low_hz - slack <= low < high <= high_hz + slack:  # nor NaN
         remedy = "The lower one comes first." if low >= high else "Narrow the band to the data."
+        if high > high_hz:
+            remedy = "Narrow the band to the data, or correct their sampling rate if it is wrong."
         reject(name, f"{low:g} to {high:g} Hz", wanted, remedy)
     return low, high
 

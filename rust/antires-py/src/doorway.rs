@@ -30,8 +30,15 @@ pub fn to_python(error: Error) -> PyErr {
         }
         Error::Numerical { what, detail } => NumericalError::new_err((what, detail)),
         Error::Memory { what, bytes } => OutOfMemoryError::new_err((what, bytes)),
-        other => InternalError::new_err(other.to_string()),
+        other => internal(&other.to_string()),
     }
+}
+
+/// What never should happen.
+pub fn internal(text: &str) -> PyErr {
+    InternalError::new_err(format!(
+        "internal error in the Rust core: {text}. This is a bug of antires_rs; please report the call."
+    ))
 }
 
 /// The argument as the Python face has it: its spelling, and the way to the part that is meant.
@@ -56,9 +63,7 @@ pub fn guarded<T: Send>(py: Python<'_>, work: impl FnOnce() -> PyResult<T> + Sen
             .map(String::as_str)
             .or_else(|| panic.downcast_ref::<&str>().copied())
             .unwrap_or("no message");
-        Err(InternalError::new_err(format!(
-            "internal error in the Rust core: {text}. This is a bug of antires_rs; please report the call."
-        )))
+        Err(internal(text))
     })
 }
 

@@ -204,7 +204,7 @@ impl Model {
             _ => {
                 let wanted = "'receptance', 'mobility' or 'accelerance'";
                 return Err(to_python(
-                    Error::input("kind", format!("{kind:?}"), wanted)
+                    Error::input("kind", format!("'{kind}'"), wanted)
                         .remedy("Leave it out for 'accelerance'."),
                 ));
             }
@@ -272,7 +272,7 @@ fn query(f_max_hz: f64, method: &str, include_cancelled: bool) -> PyResult<Query
         "pencil" => Route::Pencil,
         _ => {
             return Err(to_python(
-                Error::input("method", format!("{method:?}"), "'modal' or 'pencil'")
+                Error::input("method", format!("'{method}'"), "'modal' or 'pencil'")
                     .remedy("Leave it out for 'modal', the quicker of the two."),
             ));
         }

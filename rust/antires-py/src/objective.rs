@@ -249,7 +249,8 @@ impl Objective {
     ) -> PyResult<Vec<PyModalState<'py>>> {
         let Core::Modal(objective) = &self.core else {
             return Err(to_python(
-                Error::input("objective", "of antiresonances", "one of modes").remedy("Ask for its states."),
+                Error::input("objective", "one of antiresonances", "one of modes")
+                    .remedy("Ask for its states."),
             ));
         };
         mode_states(py, objective, &candidates, with_slopes, threads)
@@ -309,7 +310,7 @@ impl Objective {
         match &self.core {
             Core::Antiresonance(objective) => Ok(objective),
             Core::Modal(_) => Err(to_python(
-                Error::input("objective", "of modes", "one of antiresonances")
+                Error::input("objective", "one of modes", "one of antiresonances")
                     .remedy("Modes have no antiresonances."),
             )),
         }
@@ -324,7 +325,7 @@ fn target_of(parts: TargetParts<'_>) -> Result<Target, Error> {
         Some("transmissibility") => Sees::Transmissibility,
         Some(name) => {
             let wanted = "'frf', 'transmissibility' or None";
-            return Err(Error::input("sees", format!("{name:?}"), wanted)
+            return Err(Error::input("sees", format!("'{name}'"), wanted)
                 .remedy("Leave it out where it is not known."));
         }
     };
@@ -339,7 +340,7 @@ fn misfit_of(name: &str) -> Result<Misfit, Error> {
         "largest" => Ok(Misfit::Largest),
         _ => {
             let wanted = "'absolute', 'squared' or 'largest'";
-            Err(Error::input("misfit", format!("{name:?}"), wanted).remedy("Leave it out for 'absolute'."))
+            Err(Error::input("misfit", format!("'{name}'"), wanted).remedy("Leave it out for 'absolute'."))
         }
     }
 }

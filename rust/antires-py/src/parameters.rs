@@ -58,7 +58,7 @@ fn parameter(name: &Argument, model: &CoreModel, parts: ParameterParts) -> Resul
         }
         ("position", Some((_, direction))) => Quantity::Position(direction),
         (quantity, _) => {
-            let got = format!("{quantity:?}");
+            let got = format!("'{quantity}'");
             return Err(Error::input("quantity", got, "a known parameter quantity")
                 .remedy("Make parameters by stiffness_factor, thickness and the like."));
         }

@@ -9,7 +9,7 @@ use numpy::{
 };
 use pyo3::prelude::*;
 
-use crate::doorway::{InternalError, guarded};
+use crate::doorway::{guarded, internal};
 
 /// The arrays of [`Tables`] by name, as they are kept, as they are read while the core runs, and handed over.
 macro_rules! prepared_tables {
@@ -53,7 +53,7 @@ macro_rules! prepared_tables {
                 if made.borrowed(py).tables()?.consistent() {
                     Ok(made)
                 } else {
-                    Err(InternalError::new_err("tables of different shapes"))
+                    Err(internal("tables of different shapes"))
                 }
             }
         }
@@ -137,7 +137,7 @@ fn known(t: &Tables<'_>, elements: &[usize], u: &[f64]) -> PyResult<()> {
     if elements.len() == u.len() && elements.iter().all(|&e| e < t.n + t.host.len()) {
         Ok(())
     } else {
-        Err(InternalError::new_err("elements outside the tables"))
+        Err(internal("elements outside the tables"))
     }
 }
 
@@ -176,7 +176,7 @@ impl PreparedTest {
             variance: Vec::new(),
         };
         if !made.test().consistent() {
-            return Err(InternalError::new_err("values of different lengths"));
+            return Err(internal("values of different lengths"));
         }
         let borrowed = made.tables.get().borrowed(py);
         let variance = variances(&borrowed.tables()?, &made.test());

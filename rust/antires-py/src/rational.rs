@@ -81,7 +81,9 @@ pub fn hermitian_values<'py>(
         Ok(Some(values))
     })?;
     values
-        .ok_or_else(|| NumericalError::new_err("eigenvalues of the spectral matrix did not converge"))?
+        .ok_or_else(|| {
+            NumericalError::new_err(("eigenvalues of spectral matrices", "the iteration did not converge"))
+        })?
         .into_pyarray(py)
         .reshape([count, n])
 }

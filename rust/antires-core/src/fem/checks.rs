@@ -80,7 +80,7 @@ impl Parameter {
         let Some(node) = self.terms.iter().find(|&&node| node >= n_nodes) else {
             return Ok(());
         };
-        let wanted = format!("nodes below {n_nodes}");
+        let wanted = format!("a node from 0 to {}", n_nodes - 1);
         Err(Error::input(name, format!("node {node}"), wanted)
             .remedy("Nodes are counted from 0, in the order of nodes_m."))
     }

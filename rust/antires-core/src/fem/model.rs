@@ -184,12 +184,8 @@ impl Model {
         if dof < self.n_dof() {
             return Ok(());
         }
-        Err(Error::input(
-            argument,
-            format!("dof {dof}"),
-            format!("a zero-based dof in 0..{}", self.n_dof() - 1),
-        )
-        .remedy("Dofs are counted from 0."))
+        Err(Error::input(argument, format!("dof {dof}"), format!("a dof from 0 to {}", self.n_dof() - 1))
+            .remedy("Dofs are counted from 0."))
     }
 
     /// Whether dofs `i` and `k` are joined by any chain of stiffness or mass entries. If not, H_ik is

@@ -317,7 +317,8 @@ impl SymmetricSolver {
             return Err(Error::Numerical {
                 what: "modes of (K, M)".into(),
                 detail: format!(
-                    "the mass matrix is indefinite: the pair has the eigenvalue {:e} relative to {largest:e}",
+                    "the mass matrix is indefinite: the pair has the eigenvalue {:e} relative to {largest:e}; \
+                     check the signs of its entries",
                     self.standard.values()[0]
                 ),
             });

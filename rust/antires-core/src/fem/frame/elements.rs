@@ -245,7 +245,7 @@ impl Place<'_> {
         if direction < self.dimension.per_node() {
             return Ok(());
         }
-        let wanted = format!("a direction below {}", self.dimension.per_node());
+        let wanted = format!("a direction from 0 to {}", self.dimension.per_node() - 1);
         Err(Error::input(name, format!("direction {direction}"), wanted)
             .remedy("Directions are counted from 0: translations, then rotations."))
     }
@@ -256,7 +256,7 @@ pub(super) fn check_node(name: &Argument, node: usize, n: usize) -> Result<()> {
     if node < n {
         return Ok(());
     }
-    let wanted = format!("a zero-based node in 0..{}", n - 1);
+    let wanted = format!("a node from 0 to {}", n - 1);
     Err(Error::input(name, format!("node {node}"), wanted)
         .remedy("Nodes are counted from 0, in the order of nodes_m."))
 }

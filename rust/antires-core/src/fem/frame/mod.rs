@@ -162,7 +162,7 @@ impl Frame {
             return Err(Error::input(
                 "elements",
                 format!("element {beam}"),
-                format!("a zero-based element in 0..{}", beams.len() - 1),
+                format!("an element from 0 to {}", beams.len() - 1),
             )
             .remedy("Elements are counted from 0, in the order in which they are given."));
         }

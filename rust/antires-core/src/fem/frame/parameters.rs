@@ -250,7 +250,7 @@ impl Frame {
                 return Err(Error::input(
                     Argument::from("elements").item(i),
                     format!("an element of length {left:e} m at a shift of {at} m"),
-                    "a hundredth of its length or more",
+                    "at least a hundredth of its own length",
                 )
                 .remedy("Narrow the bounds of the position."));
             }
