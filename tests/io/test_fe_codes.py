@@ -877,6 +877,12 @@ def test_a_script_of_opensees_is_written_with_other_defaults(frame, tmp_path):
     np.testing.assert_allclose(again.modes(9).freq_hz, own, rtol=1e-9)
     np.testing.assert_allclose(now.modes(9).freq_hz, own, rtol=1e-9)
     assert ar.read_model(new, groups={"storey": [11, 12]}).n_dof == again.n_dof
+    # With the name of its source in another folder it is imported as well, and the source by it.
+    same = ar.write_model(tmp_path / "new" / "frame.py", f"{script}:build", now)
+    assert ar.read_model(f"{same}:build", groups=groups).groups["columns"].value == 0.87 * 3.0e10
+    (same.parent / "own_hz.py").write_text((tmp_path / "own_hz.py").read_text())
+    subprocess.run([sys.executable, "own_hz.py", "[{}]"], cwd=same.parent, check=True, capture_output=True)
+    assert json.loads((same.parent / "hz.json").read_text()) == [own]
     elements = ar.read_model(script, groups={"storey": [11, 12]})
     halved = elements.with_group_factors({"storey": 0.5})
     refused("elements of 'storey'", ar.write_model, tmp_path / "a.py", f"{script}:build", halved)
