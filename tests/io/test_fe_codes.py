@@ -12,6 +12,7 @@ import time
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 
 import antires_rs as ar
 from antires_rs.app.main import main as antires
@@ -84,6 +85,33 @@ def test_terms_of_one_thickness_are_wrong_together_or_not_at_all():
     model = ar.read_model(hull, groups=["e", "t"])
     assert [power for _, power in model.groups["t"].mass_powers] == [1, 3]
     assert [(p.quantity, p.terms) for p in factors_of(model)] == [("stiffness_factor", (0,))]
+
+
+def test_a_thickness_is_found_around_the_updating_of_the_rest():
+    """As docs/fe_codes.md has it, of a value in K by -1, 1 and 3 and in M by 1."""
+    pulled = 2.0 * np.eye(6) - np.eye(6, k=1) - np.eye(6, k=-1)
+    ends, bent = np.diag([0.0, 0.0, 1.0, 1.0, 1.0, 0.0]), np.zeros((6, 6))
+    bent[2:5, 2:5] = np.outer([1.0, -2.0, 1.0], [1.0, -2.0, 1.0])
+
+    def plate(e_web=100.0, t_skin=2.0):
+        stiffness = e_web * pulled + 3.0 * t_skin**3 * bent + 9.0 * t_skin * ends + 8.0 / t_skin * np.eye(6)
+        return stiffness, np.eye(6) + 0.2 * t_skin * ends, [f"{n}:Z" for n in range(1, 7)]
+
+    model = ar.read_model(plate, groups={"web": "e_web", "skin": "t_skin"})
+    powers = model.groups["skin"].stiffness_powers
+    assert sorted(power for _, power in powers) == [-1, 1, 3]
+    truth = model.with_group_factors({"web": 0.93, "skin": 1.12})
+    found = {dof: truth.antiresonances(dof, "1:Z") for dof in ("1:Z", "2:Z", "3:Z")}
+    measured = ar.AntiresonanceSet("1:Z", found)
+
+    def fitted(factor):
+        now = model.with_group_factors({"skin": factor})
+        problem = ar.UpdatingProblem(now, ar.stiffness_factor("web", bounds=(0.7, 1.3)), measured)
+        return ar.update(problem, rng=0)
+
+    best = minimize_scalar(lambda s: fitted(s).fun, bounds=(0.8, 1.25), method="bounded")
+    now = fitted(best.x).model.group_factors
+    assert now == pytest.approx({"web": 0.93, "skin": 1.12}, rel=1e-4)
 
 
 def test_what_is_no_sum_of_terms_is_refused_with_what_is_left():
