@@ -70,11 +70,13 @@ def identified(case: ModuleType, dofs: Mapping[str, int], record: ar.Recording) 
     return found.relabelled(dofs[case.FORCE], dofs)
 
 
-def prepared(case: ModuleType, folder: Path) -> tuple[ar.UpdateResult, dict[str, int], ar.AntiresonanceSet]:
+def prepared(
+    case: ModuleType, folder: Path, seed: int = 0
+) -> tuple[ar.UpdateResult, dict[str, int], ar.AntiresonanceSet]:
     """The model, updated with a record of the intact structure; its dofs; and what that record gave."""
     folder.mkdir(parents=True, exist_ok=True)
     model, dofs = case.model(folder)
-    intact = identified(case, dofs, case.record(folder, {}, 0))
+    intact = identified(case, dofs, case.record(folder, {}, seed))
     return ar.update(ar.UpdatingProblem(model, case.parameters(), intact), rng=0), dofs, intact
 
 

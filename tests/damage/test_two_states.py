@@ -343,3 +343,31 @@ def test_flat_options_of_before_work_and_warn(tmp_path):
     assert (paper.options["gamma1"], paper.options["snap"]) == (0.1, 1e-3)
     assert "islands" in paper.options
     assert "std_common" not in paper.options
+
+
+def test_a_loss_is_no_better_known_than_masses_that_no_factor_has():
+    """A chain as matrices whose masses are no terms: 2 % of the loss in u, and nothing seen in neighbours."""
+    stiff, kept = [np.zeros((5, 5)) for _ in range(5)], 0.5
+    for i, term in enumerate(stiff):
+        ends = [i] if i == 4 else [i, i + 1]
+        term[np.ix_(ends, ends)] = 4e4 * (np.eye(2) * 2.0 - 1.0 if i < 4 else np.ones((1, 1)))
+    mass = np.diag([0.6, 0.4, 0.5, 0.4, 0.4])
+    masses = [np.diag(row) for row in mass]
+    now = ar.MatrixModel(sum(stiff) - (1.0 - kept) * stiff[2], mass)
+
+    def measured(model):
+        return ar.AntiresonanceSet(
+            0, {d: [(f, 1e-5 * f) for f in model.antiresonances(d, 0)] for d in range(4)}
+        )
+
+    halves = []
+    for terms in (masses, []):
+        model = ar.MatrixModel(sum(stiff), mass, stiffness_terms=stiff, mass_terms=terms)
+        found = ar.assess_damage(model, measured(now), baseline=measured(model))
+        assert found.damaged == [2]
+        low, high = -np.log1p(-np.array(found.interval[2]))
+        assert low < -np.log(kept) < high
+        halves.append(0.5 * (high - low))
+    least = 1.645 * 0.02 * -np.log(kept)
+    assert halves[0] < 0.2 * least
+    assert 0.9 * least < halves[1] < 1.5 * least

@@ -12,6 +12,7 @@ import time
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 
 import antires_rs as ar
 from antires_rs.app.main import main as antires
@@ -86,6 +87,33 @@ def test_terms_of_one_thickness_are_wrong_together_or_not_at_all():
     assert [(p.quantity, p.terms) for p in factors_of(model)] == [("stiffness_factor", (0,))]
 
 
+def test_a_thickness_is_found_around_the_updating_of_the_rest():
+    """As docs/fe_codes.md has it, of a value in K by -1, 1 and 3 and in M by 1."""
+    pulled = 2.0 * np.eye(6) - np.eye(6, k=1) - np.eye(6, k=-1)
+    ends, bent = np.diag([0.0, 0.0, 1.0, 1.0, 1.0, 0.0]), np.zeros((6, 6))
+    bent[2:5, 2:5] = np.outer([1.0, -2.0, 1.0], [1.0, -2.0, 1.0])
+
+    def plate(e_web=100.0, t_skin=2.0):
+        stiffness = e_web * pulled + 3.0 * t_skin**3 * bent + 9.0 * t_skin * ends + 8.0 / t_skin * np.eye(6)
+        return stiffness, np.eye(6) + 0.2 * t_skin * ends, [f"{n}:Z" for n in range(1, 7)]
+
+    model = ar.read_model(plate, groups={"web": "e_web", "skin": "t_skin"})
+    powers = model.groups["skin"].stiffness_powers
+    assert sorted(power for _, power in powers) == [-1, 1, 3]
+    truth = model.with_group_factors({"web": 0.93, "skin": 1.12})
+    found = {dof: truth.antiresonances(dof, "1:Z") for dof in ("1:Z", "2:Z", "3:Z")}
+    measured = ar.AntiresonanceSet("1:Z", found)
+
+    def fitted(factor):
+        now = model.with_group_factors({"skin": factor})
+        problem = ar.UpdatingProblem(now, ar.stiffness_factor("web", bounds=(0.7, 1.3)), measured)
+        return ar.update(problem, rng=0)
+
+    best = minimize_scalar(lambda s: fitted(s).fun, bounds=(0.8, 1.25), method="bounded")
+    now = fitted(best.x).model.group_factors
+    assert now == pytest.approx({"web": 0.93, "skin": 1.12}, rel=1e-4)
+
+
 def test_what_is_no_sum_of_terms_is_refused_with_what_is_left():
     def curved(angle=0.5):
         return np.array([[np.cosh(6.0 * angle)]]), np.eye(1)
@@ -112,6 +140,75 @@ def test_what_is_no_sum_of_terms_is_refused_with_what_is_left():
     refused(r"\.inp of CalculiX", ar.read_model, "model.bdf", groups="e")
     refused("how the code is run", ar.read_model, "model.bdf", groups="e", code="command")
     refused("in a folder that exists", ar.read_model, still, groups="e", out="model.mat")
+
+
+# -- Meshes of other programs, and models that another package of Python assembles
+
+
+def test_a_mesh_of_another_program_is_the_picture_of_a_model(tmp_path):
+    meshio = pytest.importorskip("meshio", reason="meshio is not installed")
+    square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [2.0, 0.0]]
+    cells = [("vertex", [[0]]), ("quad", [[0, 1, 2, 3]]), ("line", [[1, 4]])]
+    meshio.Mesh(np.array(square), cells).write(tmp_path / "strip.vtu")
+    mesh = ar.io.read_mesh(tmp_path / "strip.vtu")
+    assert (mesh.kinds, mesh.connectivity.tolist()) == (("quad", "line"), [[1, 2, 3, 4], [2, 5, -1, -1]])
+    assert mesh.place(5).tolist() == [2.0, 0.0, 0.0]
+    model = ar.read_model(strip, groups=["e_web"], mesh=tmp_path / "strip.vtu")
+    assert model.mesh == mesh
+    other = ar.io.read_mesh(tmp_path / "strip.vtu", nodes=[7, 1, 3, 4, 5])
+    refused("5 nodes without 2, which dofs have", ar.read_model, strip, groups=["e_web"], mesh=other)
+    refused("a number for each of 5 nodes", ar.io.read_mesh, tmp_path / "strip.vtu", nodes=[1])
+    # Nastran's own numbers; a file of no kind, at which meshio would end the program.
+    grids = "".join(
+        f"GRID    {n:<16}{x:<8}{y:<8}0.0\n" for n, x, y in ((11, 0.0, 0.0), (15, 1.0, 0.0), (4, 1.0, 1.0))
+    )
+    (tmp_path / "t.bdf").write_text(
+        f"BEGIN BULK\n{grids}CTRIA3  7       1       11      15      4\nENDDATA\n"
+    )
+    assert ar.io.read_mesh(tmp_path / "t.bdf").connectivity.tolist() == [[11, 15, 4]]
+    (tmp_path / "a.vtk").write_text("nothing\n")
+    refused("which no reader of meshio takes", ar.io.read_mesh, tmp_path / "a.vtk")
+    meshio.Mesh(np.array(square), cells[:1]).write(tmp_path / "points.vtu")
+    refused("without elements", ar.io.read_mesh, tmp_path / "points.vtu")
+
+
+def test_a_plate_of_scikit_fem_has_its_own_frequencies():
+    """A membrane: -div(t grad u), clamped on one side; the frequencies by scikit-fem's own solver."""
+    skfem = pytest.importorskip("skfem", reason="scikit-fem is not installed")
+    grid = skfem.MeshQuad.init_tensor(np.linspace(0.0, 2.0, 9), np.linspace(0.0, 1.0, 5))
+    basis = skfem.Basis(grid, skfem.ElementQuad1())
+    here = np.where(grid.p[0, grid.t].mean(axis=0) < 1.0, 0.0, 1.0)[:, None] * np.ones((1, basis.X.shape[-1]))
+    free = basis.complement_dofs(basis.get_dofs(lambda x: x[0] == 0.0))
+
+    @skfem.BilinearForm
+    def pull(u, v, w):
+        return (w.left * (1.0 - w.here) + w.right * w.here) * (u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1])
+
+    @skfem.BilinearForm
+    def weight(u, v, _):
+        return u * v
+
+    def build(left=3.0e4, right=3.0e4):
+        of = {"here": here, "left": left + 0.0 * here, "right": right + 0.0 * here}
+        both = pull.assemble(basis, **of), weight.assemble(basis)
+        return *(each[free][:, free] for each in both), [f"{dof + 1}:Z" for dof in free]
+
+    places = np.column_stack([grid.p.T, np.zeros(grid.nvertices)])
+    cells, numbers = grid.t.T + 1, np.arange(1, grid.nvertices + 1)
+    kind = np.zeros(len(cells), dtype=int)
+    mesh = ar.Mesh(numbers, places, np.arange(len(cells)), cells, ("quad",), kind)
+    model = ar.read_model(build, groups=["left", "right"], mesh=mesh)
+    assert model.mesh.nodes.size == grid.nvertices
+    stiffness, mass, _ = build(2.1e4, 3.9e4)
+    own = skfem.solve(stiffness, mass, solver=skfem.solver_eigen_scipy_sym(k=5))[0]
+    now = model.with_group_factors({"left": 0.7, "right": 1.3})
+    np.testing.assert_allclose(now.modes(5).freq_hz, np.sqrt(own) / (2.0 * np.pi), rtol=1e-9)
+    measured = ar.AntiresonanceSet(0, {dof: now.antiresonances(dof, 0, f_max_hz=200.0) for dof in (0, 5, 17)})
+    bounds = {"bounds": (0.5, 1.5)}
+    found = ar.update(
+        ar.UpdatingProblem(model, ar.stiffness_factor(["left", "right"], **bounds), measured), rng=0
+    )
+    np.testing.assert_allclose(found.x[0] / found.x[1], 0.7 / 1.3, rtol=1e-4)
 
 
 # -- Any code by a command: here a program that writes Matrix Market files
@@ -691,6 +788,27 @@ def steady_state(text, folder, force, nodes, band_hz, n_modes, lines):
     return np.array(list(found)), np.array(list(found.values()))
 
 
+def same_dips(model, force, hz, curves):
+    """Holds antiresonances to 1e-6 against the zeros of a code's responses by dof; their number."""
+    own_hz = model.modes().freq_hz
+    ratios = (hz[:, None] / own_hz[(own_hz > 0.0) & (own_hz < 1.2 * hz[-1])]) ** 2
+    off = (np.abs(ratios - 1.0) > 1e-4).all(axis=1)  # a resonance itself is a line too
+    hz, smooth = hz[off], np.prod(1.0 - ratios[off], axis=1)  # times a response: no poles in the band
+    compared = 0
+    for name, response in curves.items():
+        curve, dips = response[off] * smooth, []
+        for i in np.flatnonzero(curve[1:] * curve[:-1] < 0.0):
+            at = slice(max(i - 3, 0), i + 5)
+            fit = np.polynomial.Polynomial.fit(hz[at], curve[at], 5)
+            roots = fit.roots()[np.isreal(fit.roots())].real
+            dips += [root for root in roots if hz[i] <= root <= hz[i + 1]]
+        dips = [dip for dip in dips if np.abs(dip / own_hz - 1.0).min() > 1e-6]  # modes without a part in it
+        ours = model.antiresonances(name, force, f_max_hz=hz[-1])
+        np.testing.assert_allclose(ours[ours > hz[0]], dips, rtol=1e-6, err_msg=name)
+        compared += len(dips)
+    return compared
+
+
 @needs_calculix
 def test_dips_of_the_steady_state_response_of_calculix(tmp_path):
     text, number = block(cells=(2, 1, 3))
@@ -699,31 +817,11 @@ def test_dips_of_the_steady_state_response_of_calculix(tmp_path):
     model = ar.read_model(tmp_path / "block.inp", groups="elset")
     force, tied = number[2, 1, 3], number[0, 0, 3]
     nodes = [n for (_, _, k), n in number.items() if k and n != tied]
-    own_hz = model.modes(12).freq_hz
     n_modes = sum(k > 0 for _, _, k in number) * 3 - 1
     hz, responses = steady_state(text, tmp_path, force, nodes, (400.0, 8000.0), n_modes, 800)
-    poles = own_hz[own_hz < 1.2 * hz[-1]]
-    ratios = (hz[:, None] / poles) ** 2
-    off = (np.abs(ratios - 1.0) > 1e-4).all(axis=1)  # a resonance itself is a line too
-    hz, responses, ratios = hz[off], responses[off], ratios[off]
-    smooth = np.prod(1.0 - ratios, axis=1)  # times a response: no poles in the band
     chosen = np.random.default_rng(5).permutation(3 * len(nodes))[:20]
-    compared = 0
-    for nth, axis in zip(chosen // 3, chosen % 3, strict=True):
-        curve = responses[:, nth, axis] * smooth
-        dips = []
-        for i in np.flatnonzero(curve[1:] * curve[:-1] < 0.0):
-            at = slice(max(i - 3, 0), i + 5)
-            fit = np.polynomial.Polynomial.fit(hz[at], curve[at], 5)
-            roots = fit.roots()[np.isreal(fit.roots())].real
-            dips += [root for root in roots if hz[i] <= root <= hz[i + 1]]
-        dips = [dip for dip in dips if np.abs(dip / own_hz - 1.0).min() > 1e-6]  # modes without a part in it
-        name = f"{nodes[nth]}:{'XYZ'[axis]}"
-        ours = model.antiresonances(name, f"{force}:X", f_max_hz=hz[-1])
-        ours = ours[ours > hz[0]]
-        np.testing.assert_allclose(ours, dips, rtol=1e-6, err_msg=name)
-        compared += len(dips)
-    assert compared > 40
+    curves = {f"{nodes[n // 3]}:{'XYZ'[n % 3]}": responses[:, n // 3, n % 3] for n in chosen}
+    assert same_dips(model, f"{force}:X", hz, curves) > 40
 
 
 @needs_calculix
@@ -877,6 +975,69 @@ def test_a_script_of_opensees_is_written_with_other_defaults(frame, tmp_path):
     np.testing.assert_allclose(again.modes(9).freq_hz, own, rtol=1e-9)
     np.testing.assert_allclose(now.modes(9).freq_hz, own, rtol=1e-9)
     assert ar.read_model(new, groups={"storey": [11, 12]}).n_dof == again.n_dof
+    # With the name of its source in another folder it is imported as well, and the source by it.
+    same = ar.write_model(tmp_path / "new" / "frame.py", f"{script}:build", now)
+    assert ar.read_model(f"{same}:build", groups=groups).groups["columns"].value == 0.87 * 3.0e10
+    (same.parent / "own_hz.py").write_text((tmp_path / "own_hz.py").read_text())
+    subprocess.run([sys.executable, "own_hz.py", "[{}]"], cwd=same.parent, check=True, capture_output=True)
+    assert json.loads((same.parent / "hz.json").read_text()) == [own]
     elements = ar.read_model(script, groups={"storey": [11, 12]})
     halved = elements.with_group_factors({"storey": 0.5})
     refused("elements of 'storey'", ar.write_model, tmp_path / "a.py", f"{script}:build", halved)
+
+
+STEADY = """
+    import json, sys
+    import openseespy.opensees as ops
+    from frame import build
+
+    request = json.loads(sys.argv[1])
+    found = []
+    for hz in request["hz"]:
+        build(rho=0.0)  # masses of nodes only, as springs of -omega^2 m to ground
+        material = 0
+        for node in ops.getNodeTags():
+            masses = ops.nodeMass(node)
+            if not any(masses):
+                continue
+            ops.node(50_000 + node, *ops.nodeCoord(node))
+            ops.fix(50_000 + node, 1, 1, 1, 1, 1, 1)
+            for mass in masses:
+                material += 1
+                ops.uniaxialMaterial("Elastic", material, -(6.283185307179586 * hz) ** 2 * mass)
+            ways = range(1, 7)
+            materials = range(material - 5, material + 1)
+            ops.element("zeroLength", 50_000 + node, 50_000 + node, node, "-mat", *materials, "-dir", *ways)
+        ops.timeSeries("Linear", 1)
+        ops.pattern("Plain", 1, 1)
+        ops.load(request["force"], 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        ops.constraints("Transformation")
+        ops.numberer("Plain")
+        ops.system("FullGeneral")
+        ops.algorithm("Linear")
+        ops.integrator("LoadControl", 1.0)
+        ops.analysis("Static", "-noWarnings")
+        assert ops.analyze(1) == 0
+        found.append([ops.nodeDisp(*dof) for dof in request["dofs"]])
+    open("steady.json", "w").write(json.dumps(found))
+"""
+
+
+@needs_opensees
+def test_dips_of_the_steady_state_response_of_opensees(frame, tmp_path):
+    """Static answers of OpenSees under K - omega^2 M, which it forms of its own elements."""
+    script, _ = frame
+    massless = script.with_name("massless.py")
+    massless.write_text(script.read_text().replace("rho=225.0", "rho=0.0"))
+    model = ar.read_model(f"{massless}:build", groups=["e_columns", "e_beams"])
+    (tmp_path / "steady.py").write_text(textwrap.dedent(STEADY))
+    nodes = [10 * k + c for k in (1, 2, 3) for c in (1, 2, 3, 4)]
+    places = np.random.default_rng(6).permutation(6 * len(nodes))[:17]
+    dofs = [(nodes[n // 6], int(n % 6) + 1) for n in places] + [(1001, 2), (1003, 6), (2000, 1)]
+    hz = np.linspace(0.6, 1.05 * model.modes().freq_hz.max(), 500)
+    request = json.dumps({"hz": hz.tolist(), "force": 1003, "dofs": dofs})
+    call = [sys.executable, "steady.py", request]
+    subprocess.run(call, cwd=tmp_path, check=True, capture_output=True)
+    responses = np.array(json.loads((tmp_path / "steady.json").read_text()))
+    names = [f"{node}:{('X', 'Y', 'Z', 'RX', 'RY', 'RZ')[axis - 1]}" for node, axis in dofs]
+    assert same_dips(model, "1003:X", hz, dict(zip(names, responses.T, strict=True))) > 40

@@ -20,7 +20,7 @@ PROJECT = ROOT / "pyproject.toml"
 PACKAGES = {"plot": ["matplotlib"], "report": ["jinja2"], "look": ["bokeh"], "hdf5": ["h5py"]}
 PACKAGES |= {"tdms": ["npTDMS"], "excel": ["openpyxl"], "miniseed": ["obspy"], "dask": ["dask"]}
 PACKAGES |= {"tables": ["pandas", "xarray"], "series": ["pyarrow"]}
-PACKAGES |= {"ansys": ["ansys-mapdl-reader"], "watch": []}
+PACKAGES |= {"ansys": ["ansys-mapdl-reader"], "mesh": ["meshio"], "watch": []}
 LARGE = {"ansys", "dask", "miniseed"}  #: Extras that bring so much with them that "all" leaves them out.
 
 
@@ -57,6 +57,7 @@ HEADS = {  #: Files of other programs, with what a reader meets first in them.
     "a.tdms": b"TDSm" + bytes(24),  # a segment without anything in it
     "a.xlsx": b"PK",
     "a.parquet": b"PAR1",
+    "a.vtk": b"# vtk DataFile",
     "a.mseed": b"000001D",
     "a.h5": b"\x89HDF\r\n\x1a\n" + bytes(64),
     "a.mat": b"MATLAB 7.3 MAT-file" + 493 * b" " + b"\x89HDF\r\n\x1a\n" + bytes(64),
@@ -72,6 +73,7 @@ ASKING = [  #: What asks for an extra, by that extra: of the study and a folder 
     ("look", lambda study, folder: study["zeros"].look()),
     ("tdms", lambda study, folder: ar.read_tdms(folder / "a.tdms")),
     ("excel", lambda study, folder: ar.read_excel(folder / "a.xlsx")),
+    ("mesh", lambda study, folder: ar.io.read_mesh(folder / "a.vtk")),
     ("series", lambda study, folder: ar.read_parquet(folder / "a.parquet")),
     ("miniseed", lambda study, folder: ar.read_miniseed(folder / "a.mseed")),
     ("hdf5", lambda study, folder: ar.read_hdf5(folder / "a.h5")),

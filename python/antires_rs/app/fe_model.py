@@ -15,7 +15,7 @@ from ..models.matrix_model import MatrixModel
 from ..updating.result import UpdateResult
 from .command import arguments, existing, new_file, show
 
-_PASSED = "command", "out", "workers"
+_PASSED = "command", "out", "mesh", "workers"
 _FUNCTION = re.compile(r"(?<=\.py):\w+$")
 _ELEMENTS = re.compile(r"\d+(-\d+)?(,\d+(-\d+)?)*")
 

@@ -141,7 +141,7 @@ excitation (places of signals, --excitation DOFS): Dof of the model at which the
 band_hz (pair of signals, --band LOW HIGH): Lowest and highest frequency in Hz: from above the rigid-body
     modes to beyond the highest antiresonance wanted.
 dofs (dofs, --dof CHANNEL=DOF ...): Dof of the model for each channel: a list in their order, or name = dof;
-    false leaves a channel out. Dofs count from 0; those of frames may be named as in "3 v".
+    false leaves a channel out. Dofs count from 0, or are named: "3 v" of a frame, "12:Z" of a code.
 drop (texts): Values to leave out, "DOF=HZ why", each the one within 1 % of it: "3=31.9 mains hum".
 add (texts): Values that are added, in the same way.
 unit (text of signals, --unit UNIT): Unit of the responses, where the file does not tell: "m/s2", "g", "g/N".
@@ -410,7 +410,7 @@ density_kg_per_m3 = 7850.0
 _DOFS = {  #: Which dofs a question mark may stand for, by model.
     CHAIN: " Dofs count from 0, mass by mass.",
     FRAME: ' Dofs of frames are written as in "2 u": node 2, along x.',
-    MATRICES: " Dofs are rows of the matrices, from 0.",
+    MATRICES: ' Dofs are rows of the matrices, from 0, or their names, as "12:Z".',
     RESULT: "",
 }
 _WIDTH = 108

@@ -214,6 +214,7 @@ model (fe_model.model): a model from the input of a finite-element code, which i
         --out FILE !: the model (.npz), what was run is kept beside it; or with --result the new input
         --result RESULT.npz: of a job whose model was made of SOURCE
         --command COMMAND: how the code is run, as in "nastran {input}" (default: CalculiX is ccx)
+        --mesh FILE: nodes and elements for pictures, where the code gives none, in a format of meshio
         --workers N>=1: runs at a time (default: all processors)
         <json>
 update (studies.search): bring a model to the measured antiresonances, as a job file says

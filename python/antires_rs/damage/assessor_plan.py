@@ -308,7 +308,7 @@ def read(
             keep = np.ones(len(table), dtype=bool)
             if usual is not None:
                 real, series = plan.zeros[label]
-                notes += sorted_out(label, table, usual, real, series, keep)
+                notes += sorted_out(f"dof {label}", table, usual, real, series, keep)
             freq, std = table.freq_hz[keep], table.std_hz[keep]
             number = plan.number[label]
             # What neither state shows tells nothing, and a full run does not ask for it.

@@ -200,7 +200,7 @@ class Scene:
     ``cells`` (f, 4) are rows of ``points`` (n, 3): a triangle has its last one twice, a line three times.
     ``part`` (f,) says of which part each is, -1 of none; ``texts`` are of parts, to be read when pointed at,
     and so are ``values``, NaN where there is none, which colour them; without values parts differ. ``arrows``
-    are in space, ``moves`` translations of the points by name.
+    are in space, ``words`` texts with their places, ``moves`` translations of the points by name.
     """
 
     points: FloatArray
@@ -210,6 +210,7 @@ class Scene:
     values: FloatArray | None = None
     scale: str = ""
     arrows: Sequence[Arrows] = ()
+    words: Sequence[tuple[str, FloatArray]] = ()
     moves: Mapping[str, FloatArray] = field(default_factory=dict)
 
     @property
@@ -234,9 +235,10 @@ class Scene:
         return [*(one if there else NOTHING for one, there in zip(named, known, strict=True)), NOTHING]
 
     def named(self, points: FloatArray) -> list[tuple[str, FloatArray]]:
-        """Texts that stand in the picture with their places: of the largest values, or of few parts."""
+        """Texts in the picture with their places: words, and those of the largest values or of few parts."""
         if self.values is None:
-            shown = list(range(len(self.texts))) if 1 < len(self.texts) <= MOST_NAMED else []
+            few = 1 < len(self.texts) <= MOST_NAMED and not self.words
+            shown = list(range(len(self.texts))) if few else []
         else:
             large = np.argsort(-np.nan_to_num(self.values), kind="stable")[:MOST_NAMED]
             shown = [i for i in large.tolist() if self.values[i] > 0.0]
@@ -244,7 +246,7 @@ class Scene:
             (self.texts[i], points[self.cells[self.part == i]].mean(axis=(0, 1)))
             for i in shown
             if np.any(self.part == i)
-        ]
+        ] + list(self.words)
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..exceptions import Argument, reject
+from ..io.points import MatchedPoints
 from ..models.frame import FrameModel
 from ..support.checks import FloatArray, IntArray, members, real_array
 from ..support.directions import point_of
@@ -48,7 +49,7 @@ def plot_mesh(
     values: Any = None,
     ax: Any = None,
     *,
-    sensors: Sequence[int | str] = (),
+    sensors: Sequence[int | str] | MatchedPoints = (),
     excitation: int | str | None = None,
     shape: Any = None,
     label: str = "Value by group",
@@ -63,8 +64,10 @@ def plot_mesh(
     values : mapping of int or str to float, or array_like, (n_terms,), optional
         Value of each stiffness term, by its number or name, for example ``DamageResult.severity``: light grey
         at 0, dark at the largest. By default the colours tell groups apart.
-    sensors, excitation : sequence of int or str, and int or str, optional
-        Dofs of accelerometers and force: arrows along their directions, the force's heavier.
+    sensors, excitation : sequence of int or str, or MatchedPoints, and int or str, optional
+        Dofs of accelerometers and force: arrows along their directions, the force's heavier. Those of
+        :func:`~antires_rs.match_points` have the names of the points, of which the force may be one; points
+        without a dof are named where they were measured, and below the picture with the reason.
     shape : array_like, (n_dof,), optional
         A motion, such as ``model.modes(n_modes=3).shapes[2]``, drawn exaggerated.
     label : str
@@ -87,7 +90,9 @@ def plot_mesh(
     """
     moved = [] if shape is None else [("", shape)]
     shown = seen(scene(model, values, sensors, excitation, label, moved))
-    return draw(shown, new_axes(ax, (9.0, 5.6)), drop_pt=24.0)
+    told = without_dof(sensors)
+    shown = replace(shown, x=replace(shown.x, label="\n".join([shown.x.label, *told])))
+    return draw(shown, new_axes(ax, (9.0, 5.6)), drop_pt=24.0 + 14.0 * len(told))
 
 
 def write_mesh(
@@ -95,7 +100,7 @@ def write_mesh(
     path: str | os.PathLike[str],
     values: Any = None,
     *,
-    sensors: Sequence[int | str] = (),
+    sensors: Sequence[int | str] | MatchedPoints = (),
     excitation: int | str | None = None,
     modes: Any = None,
     label: str = "Value by group",
@@ -117,6 +122,7 @@ def write_mesh(
     True
     """
     shapes = [] if modes is None else shapes_of(modes)
+    told = "".join(f"<br>{escape(line)}" for line in without_dof(sensors))
     block = packed_text(page_data(scene(model, values, sensors, excitation, label, shapes)), 6)
     page = f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">
@@ -128,7 +134,7 @@ def write_mesh(
 .packed {{ display: none; }} figure {{ margin: 0; }}</style></head><body>
 <h1>{escape(title)}</h1>
 <figure><div class="live" id="figure-model"></div><script type="text/plain" class="packed">{block}</script>
-</figure><script>{script()}</script></body></html>
+<figcaption>{told.removeprefix("<br>")}</figcaption></figure><script>{script()}</script></body></html>
 """
     return write_atomically(path, page.encode("utf-8"))
 
@@ -152,7 +158,7 @@ def has_mesh(model: Any) -> bool:
 def scene(
     model: Any,
     values: Any,
-    sensors: Sequence[Any] = (),
+    sensors: Sequence[Any] | MatchedPoints = (),
     excitation: Any = None,
     label: str = "Value by group",
     shapes: Sequence[tuple[str, Any]] = (),
@@ -194,22 +200,55 @@ def scene(
     texts = [f"{name}: {(says or {}).get(i, '')}".rstrip(": ") for i, name in enumerate(names)]
     points = [point_of(model.dof_label(dof)) for dof in range(model.n_dof)]
     row = dict(zip(np.asarray(numbers).tolist(), range(len(numbers)), strict=True))
-    size, moved = _size(places), _moves(row, points, places)
-    arrows: list[Arrows] = []
-    force = [] if excitation is None else members(model._end("excitation", excitation))
-    measured = [model._dof(Argument("sensors").item(i), dof) for i, dof in enumerate(sensors)]
-    for name, dofs, colour, share in (
-        ("accelerometer", measured, "vermillion", 0.7),
-        ("force", force, "black", 1.2),
-    ):
-        at = [points[dof] for dof in dofs]
-        there = [point for point in at if point is not None and point[0] in row]
-        if there:  # a rotation is an arrow along its axis
-            ways = np.array([np.sign(code) * np.eye(3)[(abs(code) - 1) % 3] for _, code in there])
-            heads = places[[row[node] for node, _ in there]]
-            arrows.append(Arrows(heads - share * LONG * size * ways, heads, colour, 1.6 * share, label=name))
+    moved = _moves(row, points, places)
+    arrows, words = _arrows(model, sensors, excitation, points, row, places)
     moves = {name: moved(one) for name, one in shapes}
-    return Scene(places, cells, part, texts, given, label, arrows, moves)
+    return Scene(places, cells, part, texts, given, label, arrows, words, moves)
+
+
+def _arrows(
+    model: Any,
+    sensors: Any,
+    excitation: Any,
+    points: Sequence[tuple[int, int] | None],
+    row: Mapping[int, int],
+    places: FloatArray,
+) -> tuple[list[Arrows], list[tuple[str, FloatArray]]]:
+    """Of sensors and force; and names with their places, of sensors that were matched by these."""
+    size, measured = _size(places), list[int]()
+    words: list[tuple[str, FloatArray]] = []
+    ends: dict[str, list[tuple[FloatArray, FloatArray]]] = {"accelerometer": [], "force": []}
+    if isinstance(sensors, MatchedPoints):
+        for name, (place, way) in sensors.points.items():
+            if name in sensors.unmatched:
+                words.append((f"\u00d7 {name}", place))
+                continue
+            head = places[row[sensors.nodes[name]]]
+            ends["accelerometer"].append((head, way))
+            upper = 0.0 if (ISOMETRIC @ way)[1] > 0.0 else 0.7 * LONG * size  # a name stands above its arrow
+            words.append((str(name), head - upper * way))
+        if excitation in sensors.points:
+            excitation = None if excitation in sensors.unmatched else sensors.dofs[excitation]
+    else:
+        measured = [model._dof(Argument("sensors").item(i), dof) for i, dof in enumerate(sensors)]
+    force = [] if excitation is None else members(model._end("excitation", excitation))
+    for label, dofs in (("accelerometer", measured), ("force", force)):
+        there = [point for point in (points[dof] for dof in dofs) if point is not None and point[0] in row]
+        for node, code in there:  # a rotation is an arrow along its axis
+            ends[label].append((places[row[node]], np.sign(code) * np.eye(3)[(abs(code) - 1) % 3]))
+    arrows = []
+    for label, colour, share in (("accelerometer", "vermillion", 0.7), ("force", "black", 1.2)):
+        if ends[label]:
+            heads, ways = (np.array(each) for each in zip(*ends[label], strict=True))
+            tails = heads - share * LONG * size * ways
+            arrows.append(Arrows(tails, heads, colour, 1.6 * share, label=label))
+    return arrows, words
+
+
+def without_dof(sensors: Any) -> list[str]:
+    """A line for each point that has no dof, with the reason."""
+    unmatched = sensors.unmatched if isinstance(sensors, MatchedPoints) else {}
+    return [f"\u00d7 {name}: {reason}" for name, reason in unmatched.items()]
 
 
 def _cells(mesh: Any, groups: list[IntArray], values: FloatArray | None) -> tuple[IntArray, IntArray]:

@@ -15,6 +15,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from dataclasses import replace
 from hashlib import sha256
 from itertools import combinations
 from pathlib import Path
@@ -25,14 +26,17 @@ import numpy as np
 from ..exceptions import AntiresError, reject
 from ..models.matrices import Entries
 from ..models.matrix_model import MatrixModel
-from ..models.term_groups import Powers, TermGroup
+from ..models.term_groups import Mesh, Powers, TermGroup
 from ..support.checks import integer
+from ..support.directions import point_of
 from ..support.files import alive, write_atomically
+from ..support.messages import some
 from ..support.progress import waiting
 from ..support.workers import Failed, Workers, processors
 from .archive import Store, decoded, encoded, read_store, write_store
 from .fe_programs import Asked, Code, Factors, Run, opened
 from .matrix_files import write_matrices
+from .mesh_files import read_mesh
 from .options import PathLike
 
 # -- Runs in folders of their own, kept by a hash of all they depend on
@@ -246,6 +250,7 @@ def read_model(
     code: Literal["calculix", "opensees", "command", "python"] | None = None,
     command: str | None = None,
     out: PathLike | None = None,
+    mesh: Mesh | PathLike | None = None,
     workers: int | None = None,
     progress: bool | None = None,
 ) -> MatrixModel:
@@ -273,6 +278,9 @@ def read_model(
     out : path-like, optional
         File ``.npz`` for the model, for :func:`read_matrices`. Beside it ``.runs`` keeps what each run gave:
         called again after a stop, only what is not there is run.
+    mesh : Mesh or path-like, optional
+        Nodes and elements where the code gives none, or a file of them for :func:`antires_rs.io.read_mesh`.
+        Nodes of the dofs must be among them.
     workers : int, optional
         Runs at a time. Default: one for each processor. No number depends on it.
     progress : bool, optional
@@ -324,12 +332,27 @@ def read_model(
     if target is not None and (target.suffix != ".npz" or not target.parent.is_dir()):
         reject("out", str(out), "a file that ends in .npz, in a folder that exists", "Choose another name.")
     chosen = opened(source, code, command, groups)
+    if mesh is not None and not isinstance(mesh, Mesh):
+        mesh = read_mesh(mesh)
     with waiting(f"running {chosen.name}", progress), _folder(target if chosen.keeps else None) as folder:
         runs = Runs(chosen, folder, at_once if chosen.keeps else 1)
-        model = _model(chosen, runs.base, Finder(chosen, runs).terms())
+        base = runs.base if mesh is None else replace(runs.base, mesh=_fitting(mesh, runs.base.names))
+        model = _model(chosen, base, Finder(chosen, runs).terms())
     if target is not None:
         write_matrices(target, model)
     return model
+
+
+def _fitting(mesh: Mesh, names: Sequence[str]) -> Mesh:
+    """The mesh, where nodes of the dofs are nodes of it."""
+    points = (point_of(name) for name in names)
+    there = {*mesh.nodes.tolist()}
+    if unknown := sorted({point[0] for point in points if point is not None} - there):
+        got = f"{len(there)} nodes without {some(unknown)}, which dofs have"
+        reject(
+            "mesh", got, "the mesh of the model", "Give numbers of nodes: ar.io.read_mesh(file, nodes=...)."
+        )
+    return mesh
 
 
 @contextmanager

@@ -281,13 +281,7 @@ class OpenSees(Code):
             )
         values = {each.place: (each.value or 0.0) * factors[each.name] for each in moved}
         folder = os.path.relpath(self._script.parent, file.resolve().parent)
-        return _SCRIPT.format(
-            script=self._script.name,
-            stem=self._script.stem,
-            name=self._function,
-            folder=folder,
-            values=values,
-        )
+        return _SCRIPT.format(script=self._script.name, name=self._function, folder=folder, values=values)
 
     def run(self, folder: Path, factors: Factors) -> Run:
         """The matrices of the model that the script builds."""
@@ -332,11 +326,13 @@ _SCRIPT = """\
 # {script} with other values, by antires_rs.
 import sys
 from functools import partial
-from importlib import import_module
 from pathlib import Path
+from runpy import run_path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent / {folder!r}))
-{name} = partial(import_module({stem!r}).{name}, **{values!r})
+folder = Path(__file__).resolve().parent / {folder!r}
+sys.path.insert(0, str(folder))
+# Run by its path: this file may have the same name.
+{name} = partial(run_path(str(folder / {script!r}))[{name!r}], **{values!r})
 
 if __name__ == "__main__":
     {name}()

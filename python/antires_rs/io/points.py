@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import permutations, product
 from pathlib import Path
 from typing import Any
@@ -53,6 +53,8 @@ class MatchedPoints(ReadOnly):
         Why a point has no dof, by its name.
     notes : tuple of str
         What looks exchanged or doubled.
+    points : mapping
+        Place (3,) in m, and direction (3,) of length 1, as each point was given.
 
     Examples
     --------
@@ -71,6 +73,7 @@ class MatchedPoints(ReadOnly):
     weights: Mapping[str, Mapping[Any, float]]
     unmatched: Mapping[Any, str]
     notes: tuple[str, ...] = ()
+    points: Mapping[Any, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
 
     @property
     def dofs(self) -> dict[Any, str]:
@@ -170,9 +173,8 @@ def match_points(
         warn("points_without_dof", f"points: {'; '.join([*notes, some(why, 6)] if why else notes)}.")
     far = {name: float(distance[i]) for i, name in enumerate(names)}
     made = {dof: FrozenDict(of) for dof, of in weights.items()}
-    return MatchedPoints(
-        FrozenDict(node), FrozenDict(far), FrozenDict(made), FrozenDict(unmatched), tuple(notes)
-    )
+    found = FrozenDict(node), FrozenDict(far), FrozenDict(made), FrozenDict(unmatched)
+    return MatchedPoints(*found, tuple(notes), FrozenDict(given))
 
 
 def _points(points: Any) -> dict[Any, tuple[FloatArray, FloatArray]]:

@@ -244,7 +244,7 @@ def usual_damping(found: AntiresonanceSet) -> float | None:
 
 
 def sorted_out(
-    label: object, table: Any, usual: float, roots: FloatArray, series: Series, keep: BoolArray
+    place: str, table: Any, usual: float, roots: FloatArray, series: Series, keep: BoolArray
 ) -> list[str]:
     """Sentences on the values that are no antiresonances, as ``keep`` then says; ``roots``: the real ones."""
     excess = np.abs(table.damping_ratio - usual)
@@ -258,7 +258,7 @@ def sorted_out(
         if why := _complex(freq, float(excess[at]), usual, float(to_real[at]), *zeros):
             keep[at] = False
             damped = f"damped by {100 * table.damping_ratio[at]:.1f} % (usual: {100 * usual:.1f} %)"
-            notes.append(f"Left out: {freq:.2f} Hz at dof {label}, {damped}: {why}.")
+            notes.append(f"Left out: {freq:.2f} Hz at {place}, {damped}: {why}.")
     return notes
 
 
@@ -441,8 +441,9 @@ class AntiresonanceTargets:
         usual = usual_damping(found)
         if usual is not None:
             zeros = zeros_beside(model, dofs, force, max(found[dof].max(initial=0.0) for dof in found))
-            for label, table, (real, series), keep in zip(found, tables, zeros, masks, strict=True):
-                self.left_out += tuple(sorted_out(label, table, usual, real, series, keep))
+            for dof, table, (real, series), keep in zip(dofs, tables, zeros, masks, strict=True):
+                place = label_text(dof, model.dof_label)
+                self.left_out += tuple(sorted_out(place, table, usual, real, series, keep))
         # Without all that measured together nothing is known to be shared.
         sees = None if found.sees == "transmissibility" and not channels else found.sees
         others = [dof for dof in channels if dof not in dofs] if sees == "transmissibility" else []
