@@ -134,6 +134,14 @@ def test_what_a_model_lacks_widens_what_least_squares_say_and_moves_nothing():
     assert np.all(posterior.variances(fit) > posterior.variances(alone))
 
 
+def test_where_no_parameter_is_seen_and_the_model_is_wrong_they_are_flat():
+    case = ar.cases.chain8(perturbation=0.1, rng=3)
+    hz = case.truth()["freq_hz"]
+    zeros = ar.AntiresonanceSet(0, hz, std_hz={i: 1e-4 * f for i, f in hz.items()})
+    problem = ar.UpdatingProblem(case.model, ar.mass_factor([0], bounds=(0.9, 1.1)), zeros)
+    assert ar.update(problem, optimizer=QUICK, rng=0).intervals().words == ("flat",)
+
+
 def test_a_value_that_nothing_in_the_model_is_near_does_not_lead_the_fit():
     told, off = (held_chain(700, far)[0].intervals() for far in ((), (150.0,)))
     assert "1 measured antiresonances without a partner in the model are left out." in off.notes

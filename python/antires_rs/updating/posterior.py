@@ -252,7 +252,7 @@ def fitted(problem: UpdatingProblem, x: FloatArray) -> Fit:
     fit = _fitted(problem, residuals, residuals.place(x))
     # Fewer values to spare than combinations of parameters cannot vouch for a model.
     right = 2 * fit.spare >= fit.e.size and fit.errors.tau[fit.middle] == 0.0
-    if residuals.stated is None or right or not fit.u.size:
+    if residuals.stated is None or right or fit.spare == fit.e.size:  # or no parameter is seen
         return fit
     alike = likely_errors(problem, x, residuals.kept)
     return fit if alike is None else _lacking(fit, np.maximum(residuals.stated, FLOOR), alike)
