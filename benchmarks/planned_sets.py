@@ -115,10 +115,12 @@ def main():
     parser.add_argument("--structures", nargs="+", default=every, choices=every)
     parser.add_argument("--truths", type=int, default=3, help="of each structure")
     parser.add_argument("--found", action="store_true", help="damage of the loss that is promised")
+    parser.add_argument("--first", type=int, default=0, help="number of the first truth of --found")
     parser.add_argument("--workers", type=int, default=2)
     given = parser.parse_args()
     if given.found:
-        tasks = [(name, number) for name in given.structures for number in range(given.truths)]
+        numbers = range(given.first, given.first + given.truths)
+        tasks = [(name, number) for number in numbers for name in given.structures]
         rows = [row for part in each(stated, tasks, given.workers) for row in part]
         lines = []
         for name in [*given.structures, "all"]:

@@ -23,13 +23,15 @@ from .discrepancy import likely_errors
 from .problem import UpdatingProblem
 from .targets import MODEL_ERROR
 
+_ODD = 4.0  # residuals beyond so many standard deviations are named, beyond so many medians no model's error
 STEP_OF_SLOPES = 1e-5  # of the range: the residuals carry rounding of 1e-13, so this leaves 1e-8 of error
 
 
 class BoxResiduals:
-    """Residuals (m,) as a function of u (n,) in the unit box."""
+    """Residuals (m,) as a function of u (n,) in the unit box, of values that at ``x`` are less than ``most``
+    off, or less than some times the median."""
 
-    def __init__(self, problem: UpdatingProblem, x: FloatArray) -> None:
+    def __init__(self, problem: UpdatingProblem, x: FloatArray, most: float = np.inf) -> None:
         self.problem, self.x = problem, x
         low, high = problem.bounds.T
         self.free = np.flatnonzero((high > low) & ~decided(problem, x))  # parameters that u holds
@@ -42,7 +44,9 @@ class BoxResiduals:
         self.tilt[self.log] = np.log(self.high[self.log] / self.low[self.log])
         value, kind, std = problem._targets.error_rows()
         weights = np.ones(len(problem.measured_hz)) if problem.weights is None else problem.weights
-        paired = np.isfinite(problem._core.pairs(x)[0])
+        off = np.abs((problem._core.pairs(x)[0] / problem.measured_hz) ** 2 - 1.0)  # NaN without a partner
+        usual = np.nanmedian(off) if np.isfinite(off).any() else 0.0
+        paired = off <= max(most, _ODD * float(usual))
         self.kept = (paired & (weights > 0.0))[value]
         self.hz = problem.measured_hz[value][self.kept]  # measured frequency that each residual belongs to
         #: 0 for frequencies, 1 for entries of shapes.
@@ -52,10 +56,7 @@ class BoxResiduals:
         #: Standard deviations that the measurement states, and relative size of the error that it does not.
         self.stated = np.where(known, std, np.median(std[known])) if stated else None
         self.size = np.ones(std.size) if stated else 1.0 / weights
-        #: The same of the combinations, by the share of what the model lacks, (shares, m).
-        self.sizes = np.broadcast_to(self.size, (1, std.size))
         self.turned: FloatArray | None = None
-        self.back = np.eye(std.size)
         assumed = {
             f"{alone} measured {noun} without a partner in the model are left out.": alone,
             f"No errors of the measured {noun} are stated: the residuals tell them.": not stated,
@@ -82,15 +83,6 @@ class BoxResiduals:
         """Residuals at one point, (m,), or combinations of them whose errors are independent."""
         e = self.problem._targets.errors(self.problem._core, self.vector(u))[self.kept]
         return np.asarray(e if self.turned is None else self.turned @ e)
-
-    def turn(self, stated: FloatArray, alike: FloatArray) -> None:
-        """Take combinations, by the correlation (m, m) of the errors that a model makes."""
-        unit = np.maximum(stated, FLOOR)
-        size, ways = np.linalg.eigh(alike / np.outer(unit, unit))
-        white, shares = np.sum((ways / unit[:, None]) ** 2, axis=0), np.array(SHARES)[:, None]
-        self.turned, self.back = (ways / unit[:, None]).T, ways * unit[:, None]
-        self.sizes = np.sqrt((1.0 - shares) * white + shares * np.maximum(size, 0.0))
-        self.stated = np.ones(unit.size)
 
     def many(self, u: FloatArray, workers: int) -> FloatArray:
         """Residuals at every row, (k, m): the same bits for any number of workers."""
@@ -120,12 +112,17 @@ def decided(problem: UpdatingProblem, x: FloatArray) -> BoolArray:
 # A residual e of omega squared has the variance ``s**2 + (tau g)**2``: s = 2 std_hz / freq_hz is what the
 # measurement states, tau what the model leaves unexplained, learned from the residuals, and g the relative
 # size of the term. Where errors are stated, tau is 0 with a prior probability of one half, else
-# log-uniform; where none are, tau stands for both. Of stated antiresonances a share of tau**2 has the
-# correlation of what a model lacks (:mod:`.discrepancy`); in the combinations that this and the stated
-# errors make independent, e.g. of equal ones its principal axes, all variances stay single ones.
+# log-uniform; where none are, tau stands for both.
+#
+# Of stated antiresonances nearly all of tau**2 has the correlation of what a model lacks
+# (:mod:`.discrepancy`). That widens the posterior and moves it nowhere: the fit goes by errors that are
+# independent, since a correlation that is not quite right leads it far off, and the likelihood is that of the
+# combinations of residuals that the fit goes by, with the variances that they have in truth. Reference:
+# R. E. Chandler & S. Bate, Biometrika 94 (2007) 167-183.
 
-SHARES = (0.0, 0.5)  # of what the model lacks in its errors; the rest is each value's own
-UNTOLD = 0.02  # error of a model of which no value to spare tells
+LACKED = 0.98  # of tau**2 as the residuals tell it: what the model lacks; the rest is each value's own
+OWN = 1.0  # what each value has of its own in those combinations, over tau**2: the correlation may be wrong
+UNTOLD = 0.02  # error of a model that lacks something, before values to spare tell it; e times more or less
 FLOOR = 1e-5  # no test and no model agrees better than this in omega squared: no interval has the width 0
 #: Largest error of the model, in omega squared, and the step of ln(tau).
 _MOST_ERROR, _STEP_ERROR_MODEL = 0.3, 0.05
@@ -145,25 +142,28 @@ class ErrorModel:
     learned: bool  # whether the residuals tell tau
 
     @classmethod
-    def around(cls, stated: FloatArray | None, sizes: FloatArray, guess: float, spare: int) -> ErrorModel:
-        """Grid around the error that the residuals suggest; the parameters leave ``spare`` of them over."""
-        s = np.zeros(sizes.shape[1]) if stated is None else np.maximum(stated, FLOOR)
+    def around(
+        cls, stated: FloatArray | None, size: FloatArray, guess: float | None, spare: int
+    ) -> ErrorModel:
+        """Grid around the error that the residuals suggest; the parameters leave ``spare`` of them over.
+        Without a ``guess``, of what a model lacks and its parameters have taken, all of it that may be."""
+        s = np.zeros(size.size) if stated is None else np.maximum(stated, FLOOR)
         if spare <= 0:  # as many parameters as values: nothing is left to learn from
-            tau = np.array([UNTOLD if len(sizes) > 1 else 0.0 if stated is not None else MODEL_ERROR])
-            return cls(tau, np.zeros(1), s**2 + (tau[:, None] * sizes[len(sizes) // 2]) ** 2, False)
-        usual = FLOOR if stated is None else float(np.median(s / sizes[0]))
+            tau = np.array([UNTOLD if guess is None else 0.0 if stated is not None else MODEL_ERROR])
+            return cls(tau, np.zeros(1), s**2 + (tau[:, None] * size) ** 2, False)
+        usual = FLOOR if stated is None else float(np.median(s / size))
         low = min(max(FLOOR, _LEAST * usual), 0.1 * _MOST_ERROR)
-        first = min(max(low, guess / _BELOW), 0.5 * _MOST_ERROR)
-        tail = _TAIL ** (1.0 / spare) if len(sizes) == 1 else np.inf  # what parameters take is not in guess
-        last = min(_MOST_ERROR, max(guess, usual, 2.0 * first) * _ABOVE * tail)
+        first, last = low, _MOST_ERROR
+        if guess is not None:
+            first = min(max(low, guess / _BELOW), 0.5 * _MOST_ERROR)
+            last = min(last, max(guess, usual, 2.0 * first) * _ABOVE * _TAIL ** (1.0 / spare))
         tau = np.exp(np.arange(np.log(first), np.log(last), _STEP_ERROR_MODEL))
         log_prior = np.full(tau.size, np.log(_STEP_ERROR_MODEL / np.log(_MOST_ERROR / low)))
-        every, prior = np.tile(tau, len(sizes)), np.tile(log_prior - np.log(len(sizes)), len(sizes))
-        variance = s**2 + (tau[:, None] * sizes[:, None]).reshape(-1, s.size) ** 2
-        if stated is not None:
-            every, prior = np.append(0.0, every), np.append(0.0, prior)  # half and half: the factor cancels
-            variance = np.vstack([s**2, variance])
-        return cls(every, prior, variance, True)
+        if guess is None:
+            log_prior -= 0.5 * np.log(tau / UNTOLD) ** 2
+        elif stated is not None:  # half and half: the factor cancels
+            tau, log_prior = np.append(0.0, tau), np.append(0.0, log_prior)
+        return cls(tau, log_prior, s**2 + (tau[:, None] * size) ** 2, True)
 
     def log_density(self, squares: FloatArray) -> FloatArray:
         """Logarithm of likelihood times prior, (k, G), of residuals whose squares (k, m) are given."""
@@ -200,12 +200,16 @@ def drawn(probabilities: FloatArray, uniform: FloatArray) -> IntArray:
 UNSEEN = 1e-5  # a combination whose residuals move less than this over the bounds' distance is not seen
 _ROUNDS, _STEPS = 3, 20  # rounds of weights from residuals and residuals from weights, and steps of each
 FAR, SAME = 4.0, 2e-3  # another solution differs by more standard deviations and share of omega squared
+_ON_BOUND = 1e-6  # this near to a bound, as a share of the bounds' distance, a parameter is on it
 _DAMPED = 1e-6  # share of the steepest column that a step costs: what no value sees stays where it is
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Solution u (n,), residuals e (m,) and Jacobian (m, n) there, and the errors that they suggest."""
+    """Solution u (n,), residuals e (m,) and Jacobian (m, n) there, and the errors that they suggest.
+
+    Where the model lacks something these are of combinations, and ``alone`` is the fit that they are of.
+    """
 
     residuals: BoxResiduals
     u: FloatArray
@@ -215,24 +219,17 @@ class Fit:
     chi_square: float  # reduced, by the stated errors; NaN where none are or nothing is left over
     errors: ErrorModel
     chances: FloatArray  # probabilities of the errors of the model on the grid, (G,)
+    alone: Fit | None = None
 
     @cached_property
     def middle(self) -> int:
-        """Number of the median error of the model, of the likeliest kind."""
-        order = np.argsort(self.errors.tau, kind="stable")
-        at = np.clip(np.searchsorted(np.cumsum(self.chances[order]), 0.5), 0, order.size - 1)
-        same = np.flatnonzero(self.errors.tau == self.errors.tau[order[at]])
-        return int(same[np.argmax(self.chances[same])])
+        """Number of the median error of the model."""
+        return int(np.clip(np.searchsorted(np.cumsum(self.chances), 0.5), 0, self.chances.size - 1))
 
     @property
     def sigma(self) -> FloatArray:
         """Standard deviations of the residuals at the median error of the model, (m,)."""
         return np.asarray(np.sqrt(self.errors.variance[self.middle]))
-
-    @property
-    def spread(self) -> FloatArray:
-        """The same of the values' residuals, (m,)."""
-        return np.asarray(np.sqrt((self.residuals.back**2) @ self.sigma**2))
 
     @property
     def weighted(self) -> FloatArray:
@@ -251,40 +248,60 @@ class Fit:
 
 def fitted(problem: UpdatingProblem, x: FloatArray) -> Fit:
     """Least squares within the bounds from ``x``, with the errors that its residuals suggest."""
-    residuals = BoxResiduals(problem, x)
+    residuals = BoxResiduals(problem, x, _MOST_ERROR)
     fit = _fitted(problem, residuals, residuals.place(x))
     # Fewer values to spare than combinations of parameters cannot vouch for a model.
     right = 2 * fit.spare >= fit.e.size and fit.errors.tau[fit.middle] == 0.0
-    if residuals.stated is None or right:
+    if residuals.stated is None or right or fit.spare == fit.e.size:  # or no parameter is seen
         return fit
-    if (alike := likely_errors(problem, x, residuals.kept)) is None:
-        return fit
-    turned = copy(residuals)
-    turned.turn(residuals.stated, alike)
-    return replace(_fitted(problem, turned, fit.u), chi_square=fit.chi_square)
+    alike = likely_errors(problem, x, residuals.kept)
+    return fit if alike is None else _lacking(fit, np.maximum(residuals.stated, FLOOR), alike)
+
+
+def _lacking(fit: Fit, unit: FloatArray, alike: FloatArray) -> Fit:
+    """The same solution, its errors stated as ``unit`` (m,) and by what the model lacks, correlated so."""
+    from scipy.linalg import eigh
+
+    white = np.eye(unit.size)
+    # How large errors of the model are all residuals tell, in combinations that make both kinds independent.
+    # A parameter on a bound goes no further: what would push it there is an error.
+    size, ways = np.linalg.eigh((LACKED * alike + (1.0 - LACKED) * white) / np.outer(unit, unit))
+    rows = (ways / unit[:, None]).T
+    errors = ErrorModel.around(np.ones(unit.size), np.sqrt(np.maximum(size, 0.0)), None, fit.spare)
+    inside = (fit.u > _ON_BOUND) & (fit.u < 1.0 - _ON_BOUND)
+    chances = errors.marginal(rows @ fit.e, rows @ fit.jacobian[:, inside])
+    # What the parameters are those combinations tell that the fit goes by.
+    ways, singular, _ = np.linalg.svd(fit.weighted, full_matrices=False)
+    rows = (ways[:, singular > 1e-9 * singular.max()] / fit.sigma[:, None]).T
+    size, ways = eigh(rows @ (alike + OWN * white) @ rows.T, (rows * unit**2) @ rows.T)
+    turned = copy(fit.residuals)
+    turned.turned = rows = ways.T @ rows
+    variance = 1.0 + errors.tau[:, None] ** 2 * size
+    errors = replace(errors, log_prior=np.log(np.maximum(chances, 1e-300)), variance=variance)
+    own = {"residuals": turned, "e": rows @ fit.e, "jacobian": rows @ fit.jacobian}
+    return replace(fit, **own, errors=errors, chances=chances, alone=fit)
 
 
 def _fitted(problem: UpdatingProblem, residuals: BoxResiduals, u: FloatArray) -> Fit:
     """The same of these residuals, from ``u``."""
-    stated, size = residuals.stated, residuals.sizes[0]
+    stated, size = residuals.stated, residuals.size
     sigma = size * max(_rms(residuals.at(u) / size), FLOOR) if stated is None else np.maximum(stated, FLOOR)
     for _ in range(_ROUNDS):
         step("least squares")
         before, u = residuals.at(u), least_squares(residuals, u, sigma)
-        moved = np.abs(residuals.back @ (residuals.at(u) - before))
-        if np.any(moved > np.maximum(FAR * np.sqrt(residuals.back**2 @ sigma**2), SAME)):  # it has led far
+        moved = np.abs(residuals.at(u) - before)
+        if np.any(moved > np.maximum(FAR * sigma, SAME)):  # it has led far
             starts = (residuals.place(problem.nominal), np.full(u.size, 0.5))
             found = [u, *(least_squares(residuals, start, sigma) for start in starts)]
             u = min(found, key=lambda u: float(np.sum((residuals.at(u) / sigma) ** 2)))
         e, jacobian = residuals.at(u), residuals.jacobian(u)
-        slopes = residuals.back @ jacobian
-        rank = int(np.count_nonzero(np.linalg.svd(slopes, compute_uv=False) > UNSEEN)) if u.size else 0
-        sizes = residuals.sizes
+        rank = int(np.count_nonzero(np.linalg.svd(jacobian, compute_uv=False) > UNSEEN)) if u.size else 0
+        sizes = size
         shape = residuals.kind == 1
         if stated is None and shape.any():  # errors of shapes have a unit of their own
             ratio = max(_rms((e / size)[shape]), FLOOR) / max(_rms((e / size)[~shape]), FLOOR)
             sizes = sizes * np.where(shape, ratio, 1.0)
-        guess = _rms(e / sizes[0]) * np.sqrt(e.size / max(e.size - rank, 1))
+        guess = _rms(e / sizes) * np.sqrt(e.size / max(e.size - rank, 1))
         errors = ErrorModel.around(stated, sizes, float(guess), e.size - rank)
         chances, spare = errors.marginal(e, jacobian), e.size - rank
         squares = np.nan if stated is None else float(np.sum((e / np.maximum(stated, FLOOR)) ** 2))
@@ -344,7 +361,7 @@ class ParameterIntervals(Value, Viewed):
     Attributes
     ----------
     names, method, level : tuple of str, (n,), {'laplace', 'ensemble'} and float
-        ``level`` is the probability of each interval.
+        ``level`` is the probability of each interval; of one-sided ones half the rest is beyond.
     low, high, center, std : ndarray, (n,)
         Ends of the intervals, median and standard deviation of the draws, in the parameters' units.
     words : tuple of str, (n,)
@@ -714,7 +731,6 @@ def _rise_at(fit: Fit, j: int, bound: float, refit: bool) -> float:
     return fit.held(j, u)[0]
 
 
-_ON_BOUND = 1e-6  # this near to a bound, as a share of the bounds' distance, a parameter is on it
 _REACH = 4.0  # standard deviations within which most points of a profile lie
 #: Points that are added on each side, until those around the end differ by this share of the limit's root.
 _REFINED, _NEAR = 8, 0.25
@@ -847,7 +863,7 @@ def profile(
         reject("name", repr(name), "a parameter that may move", "Its bounds are equal, or it is exactly 0.")
     j, free = int(where[0]), fit.residuals.free
     # Where an unseen parameter rests means nothing.
-    seen = np.linalg.norm(fit.residuals.back @ fit.jacobian, axis=0) > UNSEEN
+    seen = np.linalg.norm((fit.alone or fit).jacobian, axis=0) > UNSEEN
 
     def value(place: float) -> float:
         return float(fit.residuals.vector(np.where(np.arange(fit.u.size) == j, place, fit.u))[free[j]])
@@ -862,8 +878,6 @@ def profile(
 
 
 # -- Intervals: draws by either method, and the sides that the profile leaves open
-
-_ODD = 4.0  # residuals beyond this many standard deviations are named
 
 
 def intervals(
@@ -887,15 +901,12 @@ def intervals(
     sides = open_sides(fit, level, refit=method == "ensemble")
     for j, (below, above, by_others) in zip(fit.residuals.free, sides, strict=True):
         words[j] = words_of(below, above, by_others)
-        if below:
-            low[j] = problem.bounds[j, 0]
-            high[j] = np.quantile(drawn_x[:, j], level)
-        if above:
-            high[j] = problem.bounds[j, 1]
-            low[j] = low[j] if below else np.quantile(drawn_x[:, j], rest)
+        # An end that the data close is where it is of two: the open side is known from the bounds alone.
+        low[j] = problem.bounds[j, 0] if below else low[j]
+        high[j] = problem.bounds[j, 1] if above else high[j]
     if outside := [nth for nth in fit.residuals.free if not low[nth] <= x[nth] <= high[nth]]:
         named = ", ".join(problem.names[nth] for nth in outside[:4])
-        notes.append(f"Fitted outside its interval: {named}. The fit takes errors for independent.")
+        notes.append(f"Fitted outside its interval: {named}. Least squares lie elsewhere.")
     middle, model_error = np.median(drawn_x, axis=0), float(np.median(fit.errors.tau[which]))
     columns = low, high, middle, np.std(drawn_x, axis=0), tuple(words), drawn_x
     rests = fit.chi_square, model_error, tuple(notes)
@@ -903,14 +914,14 @@ def intervals(
 
 
 def _doubts(fit: Fit, x: FloatArray) -> list[str]:
-    back, spread = fit.residuals.back, fit.spread
-    apart = np.abs(back @ fit.jacobian @ (fit.residuals.place(x) - fit.u))
-    odd = fit.residuals.hz[np.abs(back @ fit.e) > _ODD * spread]
+    learned, fit = fit.errors.learned, fit.alone or fit
+    apart = np.abs(fit.jacobian @ (fit.residuals.place(x) - fit.u))
+    odd = fit.residuals.hz[np.abs(fit.e) > _ODD * fit.sigma]
     named = ", ".join(f"{hz:.4g} Hz" for hz in odd[:4])
     notes = {
-        "As many parameters as values: nothing is left to tell the model's error by.": not fit.errors.learned,
+        "As many parameters as values: nothing is left to tell the model's error by.": not learned,
         "Least squares lead far from the solution of the search: some values contradict the others.": (
-            np.any(apart > np.maximum(FAR * spread, SAME))
+            np.any(apart > np.maximum(FAR * fit.sigma, SAME))
         ),
         f"Far from the model even so: {named}. Leave them out if they are wrong.": odd.size,
     }

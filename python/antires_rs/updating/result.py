@@ -184,10 +184,11 @@ class UpdateResult(ReadOnly, Viewed):
         """Intervals of the parameters, with draws of their posterior.
 
         Uniform within the bounds before the test; Gaussian errors with the ``std_hz`` of the measured values,
-        and an error of the model that the residuals tell, part of it alike for values that the model's lacks
-        would move alike (of antiresonances, up to 600 dofs). Where no errors are stated, one error of all
-        is learned. Around the least-squares solution near ``x``. Of damage against a baseline a
-        :class:`SeverityIntervals`: given the elements declared damaged, errors of the model considered.
+        and an error of the model that the residuals tell, alike for values that what the model lacks would
+        move alike (of antiresonances, up to 600 dofs): it widens intervals and moves none. Where no errors
+        are stated, one error of all is learned. Around the least-squares solution near ``x``. Of damage
+        against a baseline a :class:`SeverityIntervals`: given the elements declared damaged, errors of the
+        model considered.
 
         Parameters
         ----------
