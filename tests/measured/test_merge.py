@@ -227,7 +227,9 @@ def test_what_was_seen_once_or_not_for_long_takes_nothing_over():
 
 def test_what_all_setups_were_made_with_is_remembered():
     setups = [
-        ar.AntiresonanceSet(0, {0: [8.7], dof: [14.4 + dof]}, options={"band_hz": [3, 30], "max_order": order})
+        ar.AntiresonanceSet(
+            0, {0: [8.7], dof: [14.4 + dof]}, options={"band_hz": [3, 30], "max_order": order}
+        )
         for dof, order in ((1, 40), (2, 60))
     ]
     assert ar.merge_setups(setups, check="off").options == {"band_hz": [3, 30]}
