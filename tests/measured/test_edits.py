@@ -13,14 +13,10 @@ HOW = ["chain", "persistent", "chain"]
 
 
 def scored():
-    return ar.AntiresonanceSet(
-        0,
-        {0: [36.2, 12.2, 20.0], 1: [8.0], 2: []},
-        damping_ratio={0: [0.02, 0.01, 0.03]},
-        std_hz={0: [0.2, 0.1, 0.3], 2: []},
-        diagrams={0: "diagram"},
-        scores={0: {"rows": [30, 11, 25], "how": HOW, "residual": [0.01, np.nan, 0.03]}},
-    )
+    more = {"damping_ratio": {0: [0.02, 0.01, 0.03]}, "std_hz": {0: [0.2, 0.1, 0.3], 2: []}}
+    more["scores"] = {0: {"rows": [30, 11, 25], "how": HOW, "residual": [0.01, np.nan, 0.03]}}
+    values = {0: [36.2, 12.2, 20.0], 1: [8.0], 2: []}
+    return ar.AntiresonanceSet(0, values, diagrams={0: "diagram"}, **more)
 
 
 def test_dropping_leaves_the_set_as_it_was_and_keeps_a_record():

@@ -5,9 +5,9 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.updating.identifiability import at_solution
-from tests.models.shared import rigid_force, same_matrices
+from tests.models.shared import same_matrices
 from tests.support.refusals import assert_refused, each_of, refused
-from tests.support.tolerances import FOUND_AGAIN, RIGID_FORCE, ROUNDING, SOFT_ZERO
+from tests.support.tolerances import FOUND_AGAIN, ROUNDING, SOFT_ZERO
 
 E, RHO = 2.1e11, 7850.0
 NODES = np.array([(0.0, 0.0), (0.5, 0.02), (1.0, 0.0), (1.5, 0.1), (1.9, 0.3), (1.2, 0.5)])
@@ -189,28 +189,17 @@ def test_an_updating_applies_what_it_found():
     same_matrices(model, CHAIN.with_parameters(problem.parameters, [0.3, 0.0]), within=0.0)
 
 
-@pytest.mark.parametrize("degrees", [3.0, 45.0, 90.0, 170.0])
-def test_a_free_frame_stays_free_at_any_angle(degrees):
-    turns = [ar.angle([element], element, bounds_deg=(-180, 180)) for element in (2, 3)]
-    turned = bare().with_parameters(turns, [degrees, -0.5 * degrees])
-    assert rigid_force(turned) < RIGID_FORCE
-    assert np.count_nonzero(turned.modes().freq_hz < 1e-2) == 3
-
-
 WALL, LUMP = ar.thickness("pipe", bounds=(0.001, 0.002)), ar.point_mass(0, bounds=(1.0, 2.5))
 BEND, LONG = ar.angle([2, 3], 2, bounds_deg=(-15.0, 15.0)), ar.length(0, pivot=0, bounds=(0.9, 1.1))
 
 
+BENT = {"wall": 0.0013, "mass": 1.8, "nodes": rotated(6.0, [3, 4], 2)}
+
+
 @pytest.mark.parametrize(
     ("truth", "parameters", "values"),
-    [
-        (
-            {"wall": 0.0013, "mass": 1.8, "nodes": rotated(6.0, [3, 4], 2)},
-            [WALL, LUMP, BEND],
-            [0.0013, 1.8, 6.0],
-        ),
-        (moved([1, 2, 3, 4, 5], [0.03, 0.0012]) | {"mass": 1.8}, [LONG, LUMP], [1.06, 1.8]),
-    ],
+    [(BENT, [WALL, LUMP, BEND], [0.0013, 1.8, 6.0])]
+    + [(moved([1, 2, 3, 4, 5], [0.03, 0.0012]) | {"mass": 1.8}, [LONG, LUMP], [1.06, 1.8])],
 )
 def test_an_update_finds_values_again(truth, parameters, values):
     problem = ar.UpdatingProblem(MODEL, parameters, measured(build(**truth)))

@@ -31,16 +31,13 @@ OF_RECORDING = {  #: Values that an argument cannot have, and words of the error
 OF_RECORDING |= {"fs_hz": [(0.0, "finite"), ("fast", "finite")]}
 OF_RECORDING |= {"dofs": [([1], "1 labels"), ([1, 1], "more than once")]}
 OF_RECORDING |= {"force": [(np.ones(9), "9 samples"), (np.full(10, np.inf), "infinite")]}
-OF_RESPONSE = {
-    "freq_hz": [([1.0, 3.0, 2.0], "Sort"), ([1.0, 1.0, 2.0], "repeated"), ([-1.0, 1.0, 2.0], "not negative")]
-}
+UNSORTED = [([1.0, 3.0, 2.0], "Sort"), ([1.0, 1.0, 2.0], "repeated"), ([-1.0, 1.0, 2.0], "not negative")]
+OF_RESPONSE = {"freq_hz": UNSORTED, "n_averages": [(0.5, "finite number"), ("many", "finite number")]}
 OF_RESPONSE |= {"values": [(np.ones((2, 4)), "n_outputs"), ([1.0, np.nan, 2.0], "NaN")]}
 OF_RESPONSE |= {"kind": [("mobility", "transmissibility")], "reference": [(0, "Only transmissibilities")]}
 OF_RESPONSE |= {"coherence": [([0.5, 1.2, 0.5], "from 0 to 1"), ([0.5, 0.5], "shape")]}
-OF_RESPONSE |= {"n_averages": [(0.5, "finite number"), ("many", "finite number")]}
-OF_RESPONSE |= {
-    "std": [([0.1, 0.1], "shape"), ([0.1, -0.1, 0.1], "not negative"), ([0.1, np.inf, 0.1], "infinite")]
-}
+STDS = [([0.1, 0.1], "shape"), ([0.1, -0.1, 0.1], "not negative"), ([0.1, np.inf, 0.1], "infinite")]
+OF_RESPONSE |= {"std": STDS}
 
 
 @pytest.mark.parametrize(

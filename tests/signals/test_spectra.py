@@ -117,24 +117,6 @@ def test_predicted_deviations_are_the_observed_ones(estimate, estimator):
     np.testing.assert_allclose(predicted, observed, rtol=0.04)
 
 
-def test_predicted_deviations_hold_line_by_line_on_a_structure():
-    # Leakage, noise and strong resonances together. 20 records tell a deviation to 16 %, its median over
-    # 1,000 lines far better.
-    made = [random_record(*chain8_matrices(), noise=0.01, seed=n, duration_s=64.0) for n in range(130, 150)]
-    for estimator, reference in (("rank1", 0), ("rank1", 4), ("h1", 4)):
-        predicted, values = [], []
-        for responses, _ in made:
-            rec = ar.Recording(responses, 512.0)
-            t = ar.transmissibility(rec, reference, nperseg=2048, estimator=estimator)
-            inside = (t.freq_hz > 3) & (t.freq_hz < 130)
-            predicted.append(np.delete(t.std[:, inside], reference, axis=0))
-            values.append(np.delete(t.values[:, inside], reference, axis=0))
-            assert np.all(t.std[reference] == 0.0)
-        observed = np.sqrt(0.5 * np.sum(np.abs(values - np.mean(values, axis=0)) ** 2, axis=0) / 19)
-        ratio = np.median(predicted, axis=0) / observed
-        np.testing.assert_allclose(np.median(ratio, axis=1), 1.0, atol=0.1)
-
-
 def test_a_single_average_has_no_deviation_and_the_sum_is_equation_10_as_printed():
     x = RNG.standard_normal((2, 1000))
     resp = ar.frf(ar.Recording(x, 100.0, force=x[0]), nperseg=1000)

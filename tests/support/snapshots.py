@@ -6,12 +6,19 @@ from contextlib import contextmanager
 from antires_rs.app import command, parser as usage
 
 
-def compare(file, messages):
+def compare(file, messages, between=": "):
     """Messages by what is wrong, a line each, against that file, which lies beside its test."""
-    text = "".join(f"{case}: {message}\n" for case, message in messages.items())
+    text = "".join(f"{case}{between}{message}\n" for case, message in messages.items())
     if os.environ.get("ANTIRES_SNAPSHOTS") == "write":
         file.write_text(text, encoding="utf-8")
     assert text.splitlines() == file.read_text(encoding="utf-8").splitlines()
+
+
+def replay(file, said):
+    """Each line of the file is a case and what ``said`` gives for it."""
+    cases = [line.partition(" -> ")[0] for line in file.read_text(encoding="utf-8").splitlines()]
+    assert len(set(cases)) == len(cases) > 20
+    compare(file, {case: said(case) for case in cases}, " -> ")
 
 
 @contextmanager
