@@ -3,6 +3,9 @@
 import os
 from contextlib import contextmanager
 
+import pytest
+
+import antires_rs as ar
 from antires_rs.app import command, parser as usage
 
 
@@ -17,8 +20,17 @@ def compare(file, messages, between=": "):
 def replay(file, said):
     """Each line of the file is a case and what ``said`` gives for it."""
     cases = [line.partition(" -> ")[0] for line in file.read_text(encoding="utf-8").splitlines()]
-    assert len(set(cases)) == len(cases) > 20
+    assert len(set(cases)) == len(cases) > 9
     compare(file, {case: said(case) for case in cases}, " -> ")
+
+
+def refusal(call):
+    """What is said of a call that is refused, in one line."""
+    with pytest.raises(ar.InvalidInputError) as caught:
+        call()
+    error = caught.value
+    assert all((error.argument, error.got, error.wanted))
+    return " ".join(str(error).split())
 
 
 @contextmanager
