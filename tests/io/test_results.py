@@ -108,6 +108,8 @@ def test_another_text_is_refused_and_another_objective_told(saved):
     unsuitable("which is damaged", ar.UpdateResult.load, saved)
     rewritten(saved, lambda d: d | {"version": 5})
     unsuitable("of version 5; wanted version 4 or older. Update", ar.UpdateResult.load, saved)
+    rewritten(saved, lambda d: d | {"format": "other"})
+    unsuitable("which holds 'other'", ar.UpdateResult.load, saved)
 
 
 def test_other_and_edited_files_are_noticed(saved, tmp_path):

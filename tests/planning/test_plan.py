@@ -233,6 +233,15 @@ def test_a_prediction_is_what_assessments_find(n_tests):
     assert predicted.false_call_rate <= 0.02
 
 
+def test_noise_a_worse_model_and_a_threshold_cost_detection():
+    def worst(**options):
+        return max(ar.detectability(FIVE, [0, 3], **{**TEST, "n_tests": 4, **options}).a90.values())
+
+    base = worst()
+    assert worst(std=2e-3) > 2.5 * base
+    assert worst(false_alarm_rate=0.3) < base
+
+
 class Pickles:
     def submit(self, *call):
         run, *args = pickle.loads(pickle.dumps(call))
