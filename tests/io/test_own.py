@@ -115,6 +115,15 @@ def test_a_changed_number_is_noticed(tmp_path, old, new, said):
     unsuitable(said, ar.read_mat, file)
 
 
+@pytest.mark.parametrize(("write", "read"), [(ar.write_npz, ar.read_npz), (ar.write_hdf5, ar.read_hdf5)])
+def test_formats_with_checksums_notice_any_changed_byte(tmp_path, write, read):
+    path = write(tmp_path / "a", recording(n=2000))
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 0x55
+    path.write_bytes(data)
+    unsuitable("cannot be read", read, path)
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [
