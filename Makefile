@@ -63,6 +63,7 @@ campaign: $(STAMP)  ## the studies of which the suites have a part, thirty times
 	PROPTEST_CASES=4000 cargo test --locked
 	$(PYTEST) -m campaign
 	ANTIRES_EXAMPLES=30 $(PYTEST) $(wildcard tests/*/test_any_*.py)
+	$(PYTEST) $(wildcard benchmarks/test_*.py)
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.search_study --least 95
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check $(call group,fuzz)
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.fuzz_files --seconds 600

@@ -21,7 +21,7 @@ import numpy as np
 
 import antires_rs as ar
 from reference.small_records import OPTIONS, record
-from tests.support.wrong_chains import NOMINAL, chain, measured, truth
+from reference.wrong_chains import NOMINAL, chain, measured, truth
 
 PACKAGE = str(Path(ar.__file__).parent)
 

@@ -22,9 +22,11 @@ def write_test(file: Path) -> None:
 
 
 def edit(job: Path) -> None:
-    """Fill in the model, as one would in an editor."""
+    """Fill in where the channels are and the model, as one would in an editor."""
     text = job.read_text(encoding="utf-8")
     for old, new in (
+        *((f'"{node}+Z" = "?"', f'"{node}+Z" = {node - 1}') for node in range(1, 9)),
+        ('excitation = "?"', "excitation = 0"),
         ("masses_kg = [1.0, 1.0, 1.0]", f"masses_kg = [0.5593{', 0.4194' * 7}]"),
         ("springs_n_per_m = [50e3, 50e3]", f"springs_n_per_m = [56.7e3{', 56.7e3' * 6}]"),
         ("# title =", 'title = "Eight-mass chain, test of today"'),
@@ -47,7 +49,7 @@ def main(folder: Path) -> Path:
     job = folder / "damage.toml"
     step("identify", str(folder / "test.uff"), "--band", "3", "130", "--excitation", "1+Z")
     step("init", str(job), "--data", str(folder / "test.uff"), "--overwrite")
-    print("\n... the masses and springs filled in")
+    print("\n... dofs, masses and springs filled in")
     edit(job)
     step("damage", str(job))
     return folder / "damage_results" / "report.html"

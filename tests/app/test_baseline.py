@@ -76,15 +76,10 @@ def test_saved_sets(tmp_path, capsys):
 
 @pytest.fixture
 def records(tmp_path):
-    def recorded(springs, name, rng):
-        record = chain(np.array(springs)).simulate(
-            excitation=0, fs_hz=25.0, duration_s=400.0, damping_ratio=0.01, noise=1e-3, rng=rng
-        )
-        ar.write_npz(tmp_path / name, record)
-
-    recorded([500.0, 450.0, 520.0], "intact.npz", 1)
-    recorded([500.0, 450.0, 520.0], "intact_2.npz", 2)
-    recorded([500.0, 337.5, 520.0], "damaged.npz", 3)
+    made = {"excitation": 0, "fs_hz": 25.0, "duration_s": 400.0, "damping_ratio": 0.01, "noise": 1e-3}
+    for rng, (name, spring) in enumerate({"intact": 450.0, "intact_2": 450.0, "damaged": 337.5}.items(), 1):
+        model = chain(np.array([500.0, spring, 520.0]))
+        ar.write_npz(tmp_path / f"{name}.npz", model.simulate(**made, rng=rng))
     return tmp_path
 
 

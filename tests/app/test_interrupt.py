@@ -151,9 +151,8 @@ m.identify_antiresonances = announced
 from antires_rs.app.main import main""",
     )
     (tmp_path / "job_results").mkdir()
-    (tmp_path / "job.toml").write_text(
-        LONG.replace('file = "measured.json"', 'file = "record.npz"\nexcitation = 0\nband_hz = [3, 130]')
-    )
+    data = 'file = "record.npz"\nexcitation = 0\nband_hz = [3, 130]'
+    (tmp_path / "job.toml").write_text(LONG.replace('file = "measured.json"', data))
     exit_code, out, err, took = stopped(tmp_path, signal.SIGINT, "update", "job.toml", after=0.05, code=code)
     assert (exit_code, out, err) == (130, "", "antires: interrupted\n")
     assert took < INTERRUPT_S

@@ -30,9 +30,8 @@ def started(tmp_path):
 
     def start(*given):
         call = [sys.executable, "-c", ANTIRES, "look", *map(str, given), "--no-browser"]
-        process = subprocess.Popen(
-            call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path
-        )
+        pipe = subprocess.PIPE
+        process = subprocess.Popen(call, stdout=pipe, stderr=pipe, text=True, cwd=tmp_path)
         running.append(process)
         told = process.stdout.readline()
         assert "http://127.0.0.1:" in told, process.stderr.read()
@@ -143,9 +142,8 @@ def test_a_single_channel_takes_the_route_over_the_force(tmp_path, capsys):
     freq = np.arange(0.5, 10.0, 0.01)
     values = chain().frf([0], 0, freq, damping_ratio=0.01)
     noise = np.random.default_rng(0).standard_normal((2, *values.shape)) * 1e-4 * np.abs(values).max()
-    file = ar.write_npz(
-        tmp_path / "one.npz", ar.FrequencyResponse(freq, values + noise[0] + 1j * noise[1], dofs=["tip"])
-    )
+    curve = ar.FrequencyResponse(freq, values + noise[0] + 1j * noise[1], dofs=["tip"])
+    file = ar.write_npz(tmp_path / "one.npz", curve)
     given = ["identify", str(file), "--excitation", "tip", *BAND_GIVEN, "--out", str(tmp_path / "a.json")]
     assert cli.main(given) != 0
     assert "take the route 'frf'" in capsys.readouterr().err

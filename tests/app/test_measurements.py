@@ -197,10 +197,8 @@ def hit(place, seed):
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
     folder = tmp_path_factory.mktemp("roving")
-    single = [
-        ar.write_uff(folder / f"hit_{place[0]}.uff", hit(place, i), excitation=place)
-        for i, place in enumerate(HITS)
-    ]
+    files = {place: folder / f"hit_{place[0]}.uff" for place in HITS}
+    single = [ar.write_uff(files[own], hit(own, i), excitation=own) for i, own in enumerate(HITS)]
     (folder / "all.uff").write_bytes(b"".join(file.read_bytes() for file in single))
     return folder / "all.uff", single
 
@@ -244,17 +242,14 @@ def test_the_command_line_and_the_page_take_one_file_and_many(files, tmp_path, c
     assert all(20.0 <= f <= 100.0 for each in view.session.zeros.values() for f in each)
 
 
-@pytest.mark.parametrize(
-    ("more", "said"),
-    [
+def test_wrong_hits_are_named(files, capsys):
+    for more, said in (
         (["--roving", "2+Y"], "--roving: got '2+Y'"),
         (["--roving", "3+Y", "--hit", "1+Y"], "--hit: got 1 places"),
         (["--roving", "3+Y", "--excitation", "1+Y"], "--excitation: got it beside --roving"),
-    ],
-)
-def test_wrong_hits_are_named(files, capsys, more, said):
-    assert cli.main(["identify", *map(str, files[1]), "--band", *ROVED, *more]) != 0
-    assert said in capsys.readouterr().err
+    ):
+        assert cli.main(["identify", *map(str, files[1]), "--band", *ROVED, *more]) != 0
+        assert said in capsys.readouterr().err
 
 
 # -- Several forces
@@ -266,11 +261,8 @@ def test_several_places_in_a_job_and_on_the_command_line(tmp_path, capsys):
     ar.write_npz(tmp_path / "rec.npz", ar.Recording(record.responses, record.fs_hz, list("abcdefgh")))
     data = 'file = "rec.npz"\nband_hz = [3.0, 130.0]\nadd = "b, f = 20.0 by eye"\n'
     (by_name,) = measured(tmp_path, f'{data}excitation = ["e", "a"]\n')
-    wanted = ar.identify_antiresonances(
-        ar.Recording(record.responses, record.fs_hz, list("abcdefgh")),
-        excitation=["a", "e"],
-        band_hz=(3, 130),
-    )
+    named = ar.read_npz(tmp_path / "rec.npz")
+    wanted = ar.identify_antiresonances(named, excitation=["a", "e"], band_hz=(3, 130))
     assert by_name.found == wanted.add(("b", "f"), 20.0)
     numbered = data.replace("b, f", "1,5") + "dofs = [0, 1, 2, 3, 4, 5, 6, 7]\n"
     (by_number,) = measured(tmp_path, f"{numbered}excitation = [0, 4]\n")
@@ -282,9 +274,8 @@ def test_several_places_in_a_job_and_on_the_command_line(tmp_path, capsys):
     assert told["excitation"] == ["a", "e"]
     assert told["antiresonances"][0]["dof"] == ["a", "b"]
     assert ar.AntiresonanceSet.load(tmp_path / "z.json") == wanted
-    assert (
-        cli.main(["identify", str(tmp_path / "z.json"), "--drop", f"a,b={wanted['a', 'b'][0]:.3f} hum"]) == 0
-    )
+    drop = ["--drop", f"a,b={wanted['a', 'b'][0]:.3f} hum"]
+    assert cli.main(["identify", str(tmp_path / "z.json"), *drop]) == 0
     assert "at dof a, b (hum)" in capsys.readouterr().out
 
 
@@ -293,29 +284,12 @@ def test_damage_by_two_forces_in_a_job_and_its_report_again(tmp_path, capsys):
     damaged = model.with_parameters(ar.stiffness_reduction([4]), [0.3])
     for name, one in (("intact", model), ("now", damaged)):
         ar.write_npz(tmp_path / f"{name}.npz", record_of(one, (0, 4), 120.0, 0.01, 1))
-    springs = [float(-k) for k in np.diag(model.stiffness(), 1)]
-    (tmp_path / "job.toml").write_text(
-        f"""[data]
-file = "now.npz"
-excitation = [0, 4]
-band_hz = [3.0, 130.0]
-[identification]
-dofs = [[0, 1], [1, 2], [2, 3], [3, 4], [0, 5]]
-[model]
-kind = "chain"
-masses_kg = {np.diag(model.mass()).tolist()}
-springs_n_per_m = {springs}
-[damage]
-elements = "all"
-baseline = "intact.npz"
-[output]
-folder = "out"
-"""
-    )
+    data = 'file = "now.npz"\nexcitation = [0, 4]\nband_hz = [3.0, 130.0]\n[identification]\n'
+    job = DAMAGE.replace('file = "measured.json"', f"{data}dofs = [[0, 1], [1, 2], [2, 3], [3, 4], [0, 5]]")
+    job = job.replace("[damage]", '[damage]\nbaseline = "intact.npz"').replace("report = false\n", "")
+    (tmp_path / "job.toml").write_text(job)
     assert cli.main(["damage", str(tmp_path / "job.toml")]) == 0
     assert "spring 4" in capsys.readouterr().out
-    assert json.loads((tmp_path / "out/summary.json").read_text())["antiresonances"][0]["excitation"] == [
-        0,
-        4,
-    ]
-    assert cli.main(["report", str(tmp_path / "out"), "--out", str(tmp_path / "again.html")]) == 0
+    out = tmp_path / "job_results"
+    assert json.loads((out / "summary.json").read_text())["antiresonances"][0]["excitation"] == [0, 4]
+    assert cli.main(["report", str(out), "--out", str(tmp_path / "again.html")]) == 0

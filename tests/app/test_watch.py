@@ -23,10 +23,8 @@ MASSES, SPRINGS = [1.0, 1.1, 0.9, 1.0], [5e4, 5.5e4, 4.5e4]
 
 def written(folder, number, loss=0.0):
     chain = ar.MassSpringChain(MASSES, [SPRINGS[0], SPRINGS[1] * (1 - loss), SPRINGS[2]])
-    record = chain.simulate(
-        excitation=0, fs_hz=256.0, duration_s=16.0, damping_ratio=0.01, noise=0.01, rng=number
-    )
-    path = ar.write_npz(folder / f"test_{number}.npz", record)
+    made = {"fs_hz": 256.0, "duration_s": 16.0, "damping_ratio": 0.01, "noise": 0.01}
+    path = ar.write_npz(folder / f"test_{number}.npz", chain.simulate(excitation=0, **made, rng=number))
     aged(path)
     return path
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from reference.wrong_chains import NOMINAL, N, changed, states
 from tests.support.campaign import some_of
 from tests.support.refusals import each_of, refused
-from tests.support.wrong_chains import NOMINAL, N, changed, states
 
 
 @pytest.fixture(scope="module")
@@ -89,9 +89,8 @@ def test_a_small_damage_that_errors_of_three_times_their_size_explain_too(seed):
     """No damage is most probable with such errors, and seen with these no element is worth a look."""
     dofs, model = [0, 1, 3, 4, 5], ar.MassSpringChain(MASSES, [5e4] * 5)
     before, now = of_chain(SPRINGS, dofs, 1), of_chain(SPRINGS * [1, 1, 1, 0.98, 1], dofs, seed)
-    quick, full = (
-        each.hypotheses[0] for each in (assessor(before, model).assess(now), full_run(before, now, model))
-    )
+    found = assessor(before, model).assess(now), full_run(before, now, model)
+    quick, full = (each.hypotheses[0] for each in found)
     assert quick.elements == full.elements == (3,)
     assert quick.probability == pytest.approx(full.probability, abs=0.03)
 
@@ -159,12 +158,8 @@ def test_what_wants_a_full_run(prepared):
     assert any("does not have dof 4" in reason for reason in lacking.reasons)
     assert "A full run is wanted" in lacking.headline
     rng = np.random.default_rng(5)
-    strange = [
-        ar.AntiresonanceSet(
-            s.excitation, {d: f * (1 + 0.02 * rng.standard_normal(f.size)) for d, f in s.items()}
-        )
-        for s in before
-    ]
+    moved = [{d: f * (1 + 0.02 * rng.standard_normal(f.size)) for d, f in s.items()} for s in before]
+    strange = [ar.AntiresonanceSet(s.excitation, hz) for s, hz in zip(before, moved, strict=True)]
     assert made.assess(strange).full_run_wanted  # what no element explains
     before, now = states(303, (0, 0, 0.985, 0, 0))
     assert assessor(before).assess(now).full_run_wanted  # nearly nothing is left of a spring

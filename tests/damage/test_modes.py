@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from reference.wrong_chains import NOMINAL, N, chain, truth
 from tests.support.refusals import refused
-from tests.support.wrong_chains import NOMINAL, N, chain, truth
 
 STD_HZ, STD_SHAPES = 3e-4, 3e-3
 

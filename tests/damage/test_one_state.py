@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from reference.wrong_chains import NOMINAL, chain, changed, measured, truth
 from reference.wrong_models import JUDGED_ON, MISTAKES, ONLY_FRAMES
 from tests.support.campaign import some_of
-from tests.support.wrong_chains import NOMINAL, chain, changed, measured, truth
 
 UNLIKE = "The model does not explain the measurement"
 SAID = f"{UNLIKE}: every stiffness would have to be multiplied by 0."
@@ -124,12 +124,11 @@ def test_two_states_of_a_frame(mistake):
     assert NAMED.get(mistake, "") in said
 
 
+FIRST = [(CHAIN, 1, 0.0), (CHAIN, 2, 0.7), (FRAME, 3, 0.0), (FRAME, 1, 0.3)]
+
+
 @pytest.mark.parametrize(
-    ("structure", "seed", "loss"),
-    some_of(
-        product(JUDGED_ON, (1, 2, 3), (0.0, 0.3, 0.7)),
-        [(CHAIN, 1, 0.0), (CHAIN, 2, 0.7), (FRAME, 3, 0.0), (FRAME, 1, 0.3)],
-    ),
+    ("structure", "seed", "loss"), some_of(product(JUDGED_ON, (1, 2, 3), (0.0, 0.3, 0.7)), FIRST)
 )
 def test_a_right_model_keeps_its_headline(structure, seed, loss):
     elements = structure.build().default_elements
@@ -188,12 +187,9 @@ def test_a_support_that_the_model_does_not_have(seed):
         return ar.FrameModel(np.array(places), lines, sections, fixed=fixed)
 
     rng, dofs = np.random.default_rng(seed), [1, 3, 6, 7, 9, 10, 13, 16, 18]
-    exact = build([0, 8], 1.0 + 0.03 * rng.uniform(-1.0, 1.0, 8)).antiresonances(dofs, 7, f_max_hz=500.0)
-    before, now = (
-        ar.AntiresonanceSet(
-            7, {d: f * (1.0 + 3e-4 * rng.standard_normal(f.size)) for d, f in zip(dofs, exact, strict=True)}
-        )
-        for _ in range(2)
-    )
+    tested = build([0, 8], 1.0 + 0.03 * rng.uniform(-1.0, 1.0, 8))
+    exact = dict(zip(dofs, tested.antiresonances(dofs, 7, f_max_hz=500.0), strict=True))
+    noisy = [{d: f * (1.0 + 3e-4 * rng.standard_normal(f.size)) for d, f in exact.items()} for _ in range(2)]
+    before, now = (ar.AntiresonanceSet(7, hz) for hz in noisy)
     assert headline(build([0]), now, baseline=before).startswith(UNLIKE)
     assert UNLIKE not in headline(build([0, 8]), now, baseline=before)

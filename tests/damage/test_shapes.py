@@ -28,11 +28,8 @@ def beam(**parts):
 
 def off(model, rng):
     """The same with every element's stiffness and mass a few per cent off."""
-    elements = range(10)
-    parameters = ar.stiffness_factor(elements, bounds=(0.5, 2.0)) + ar.mass_factor(
-        elements, bounds=(0.5, 2.0)
-    )
-    return model.with_parameters(parameters, 1.0 + 0.02 * rng.standard_normal(20))
+    parameters = [kind(range(10), bounds=(0.5, 2.0)) for kind in (ar.stiffness_factor, ar.mass_factor)]
+    return model.with_parameters(sum(parameters, []), 1.0 + 0.02 * rng.standard_normal(20))
 
 
 def measured(model, rng, nodes=(2, 4, 5, 6, 8, 9, 10), last=10):
@@ -124,16 +121,12 @@ def test_a_mass_a_support_and_a_moved_sensor_are_named():
 def test_temperature_beside_damage():
     rng = np.random.default_rng(7)
     before = off(PLAIN, rng)
-    elements = list(range(10))
-    loss = np.where(np.arange(10) == 4, 0.2, 0.0)
-    after = 0.975 * (1.0 - loss)
-    warm = before.with_parameters(ar.stiffness_factor(elements, bounds=(0.1, 2.0)), after)
-    result = assessed(warm, before, rng, environment=("temperature",))
+    hurt = before.with_parameters(ar.stiffness_reduction(4), 0.2)
+    result = assessed(warmer(hurt, -0.025), before, rng, environment=("temperature",))
     assert result.damaged == [4]
     low, high = result.interval[4]
     assert low < 0.2 < high
-    # No damage, and warmer.
-    warm = before.with_parameters(ar.stiffness_factor(elements, bounds=(0.1, 2.0)), np.full(10, 0.98))
+    warm = warmer(before, -0.02)  # and no damage
     assert not assessed(warm, before, rng, environment=("temperature",)).damaged
     how = {"baseline": measured(before, rng), "search": ar.SearchOptions(environment=("temperature",))}
     assert not ar.Assessor(PLAIN, **how).assess(measured(warm, rng)).damaged
@@ -146,9 +139,7 @@ def warmer(model, by):
     return model.with_parameters(ar.stiffness_factor(range(10), bounds=(0.1, 2.0)), np.full(10, 1.0 + by))
 
 
-@pytest.mark.parametrize(
-    ("seed", "by", "said"), [(0, 0.025, None), (2, 0.025, ("temperature",)), (1, -0.05, None)]
-)
+@pytest.mark.parametrize(("seed", "by", "said"), [(2, 0.025, ("temperature",)), (1, -0.05, None)])
 def test_a_loss_beside_temperature_is_where_the_values_are_most_probable(seed, by, said):
     """Two roots of the beam nearly meet, and are not linear in what moves all of them."""
     rng = np.random.default_rng(seed)
@@ -170,18 +161,14 @@ def test_supports_that_may_differ_are_no_damage_be_they_right_in_the_model():
 def test_what_warms_and_by_how_much():
     """A joint of constant flexibility in series with a beam; elements of matrices by their order."""
     one = ar.stiffness_factor([0, 1, 2], bounds=(0.1, 5.0))
-    flexible, warmth, step = 0.4, [], 1e-5
-    for by in (1.0, 1.0 + step):
-        warmth.append(np.log(1.0 - by + by / (1.0 + flexible * by)))
+    step = 1e-5
+    warmth = [np.log(1.0 - by + by / (1.0 + 0.4 * by)) for by in (1.0, 1.0 + step)]
     columns = surroundings({0}, 2, [2], one, np.array([1.0, 1.0, np.exp(warmth[0])]), ("temperature",), None)
-    assert columns[:, 0] / columns[0, 0] == pytest.approx(
-        [1.0, 0.0, (warmth[1] - warmth[0]) / step], rel=1e-3
-    )
+    of_joint = (warmth[1] - warmth[0]) / step
+    assert columns[:, 0] / columns[0, 0] == pytest.approx([1.0, 0.0, of_joint], rel=1e-3)
     chain = ar.MassSpringChain(np.ones(7), np.full(6, 1e4), ground_first_n_per_m=8e3)
-    every = [0, 2, 4, 5, 3, 1]
-    terms = [
-        chain.stiffness() - chain.with_parameters(ar.stiffness_reduction(e), 1.0).stiffness() for e in every
-    ]
+    gone = (chain.with_parameters(ar.stiffness_reduction(e), 1.0) for e in (0, 2, 4, 5, 3, 1))
+    terms = [chain.stiffness() - each.stiffness() for each in gone]
     places = structure_of(ar.MatrixModel(chain.stiffness(), chain.mass(), stiffness_terms=terms)).along
     assert np.argsort(places).tolist() in ([0, 5, 1, 4, 2, 3], [3, 2, 4, 1, 5, 0])
 
@@ -191,14 +178,12 @@ def test_supports_of_bars_rollers_and_a_base_are_seen_in_the_models():
     on a spring is as a softer lowest storey."""
     chain = ar.MassSpringChain(np.ones(7), np.full(6, 1e4), ground_first_n_per_m=8e3)
     assert structure_of(chain).grounded == [6]
-    bar = ar.Rectangle(0.04, 0.008, 7.0e10, 2700.0)
     held = [(0, "u"), (0, "v"), (4, "v")]
-    beam = structure_of(
-        ar.FrameModel([(0.2 * i, 0.0) for i in range(5)], [(i, i + 1) for i in range(4)], bar, fixed=held)
-    )
+    places, lines = [(0.2 * i, 0.0) for i in range(5)], [(i, i + 1) for i in range(4)]
+    beam = structure_of(ar.FrameModel(places, lines, BAR, fixed=held))
     pins = [shape for shape in beam.shapes({}) if shape.kind == "support"]
     assert [shape.name for shape in pins] == [f"support at node {n}" for n in ("0 (u)", "0 (v)", "4 (v)")]
-    loose = ar.FrameModel(beam.nodes, beam.ends, bar, fixed=held[:2])
+    loose = ar.FrameModel(beam.nodes, beam.ends, BAR, fixed=held[:2])
     whole, at = loose.stiffness().toarray(), loose.dof(4, "v")
     rest = np.delete(np.arange(loose.n_dof), at)
     free = whole[np.ix_(rest, rest)] - np.outer(whole[rest, at], whole[at, rest]) / whole[at, at]
@@ -212,10 +197,8 @@ def test_supports_of_bars_rollers_and_a_base_are_seen_in_the_models():
     assert k[7, 7] == pytest.approx(8e3 * 31.0)
     folded = k[:7, :7] - np.outer(k[:7, 7], k[7, :7]) / k[7, 7]
     assert folded[0, 0] == pytest.approx(1e4 + 8e3 / (1.0 + 1.0 / 30.0))
-    assert [shape.name for shape in based.shapes({})[-2:]] == [
-        "spring under the base",
-        "base against tilting",
-    ]
+    named = [shape.name for shape in based.shapes({})[-2:]]
+    assert named == ["spring under the base", "base against tilting"]
 
 
 def bars(places, lines, free):

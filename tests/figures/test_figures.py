@@ -37,9 +37,8 @@ def test_a_figure_shows_the_poles_and_the_values_of_its_response(identified, rec
     stable = np.concatenate(diagram.stable)
     np.testing.assert_allclose(drawn["circle"]["x"], np.concatenate(diagram.freq_hz)[stable], rtol=1e-6)
     assert drawn["x"]["x"].size == np.count_nonzero(~stable)
-    np.testing.assert_allclose(
-        source_of(shown["stabilization"], "accepted").data["x"], identified[1], rtol=1e-6
-    )
+    accepted = source_of(shown["stabilization"], "accepted").data
+    np.testing.assert_allclose(accepted["x"], identified[1], rtol=1e-6)
 
 
 def test_a_curve_says_what_it_is_and_of_what_its_coherence(record, averages):

@@ -184,21 +184,18 @@ def test_a_double_click_drops_one_value(shown, session, identified):
 def test_another_response_is_shown_while_an_answer_is_on_its_way(shown, session):
     page = shown
     page.route("**/do/identify*", lambda route: (page.wait_for_timeout(1500), route.continue_()))
-    same = page.evaluate(
-        "({ low_hz: state.band_hz[0], high_hz: state.band_hz[1], max_order: state.max_order })"
-    )
+    band = "({ low_hz: state.band_hz[0], high_hz: state.band_hz[1], max_order: state.max_order })"
+    same = page.evaluate(band)
     page.evaluate("body => { window.acted = act('identify', body); }", same)
     page.evaluate("show(2)")
     page.wait_for_selector("#pictures[data-drawn='2']")
     page.evaluate("acted")
     said(page, "identified")
     assert (page.input_value("#response"), page.evaluate("state.dof")) == ("2", 2)
-    marks = page.evaluate(
-        "[...figures.roots[0].model.references()].find(one => one.name === 'accepted').data.x"
-    )
-    assert np.asarray(list(marks.values() if isinstance(marks, dict) else marks)) == pytest.approx(
-        session.zeros[2].tolist(), rel=1e-5
-    )
+    of_values = "[...figures.roots[0].model.references()].find(one => one.name === 'accepted').data.x"
+    marks = page.evaluate(of_values)
+    shown = list(marks.values() if isinstance(marks, dict) else marks)
+    assert shown == pytest.approx(session.zeros[2].tolist(), rel=1e-5)
 
 
 def test_a_file_that_is_there_is_replaced_after_a_question(shown, session, identified):

@@ -134,12 +134,8 @@ def test_updating_report_is_one_complete_file(updated, tmp_path):
     said = [f"{table.largest_before_percent:.2f} % before, {table.largest_after_percent:.2f} % after"]
     said += [f"{value:.3f}" for value in (*table.measured_hz, *table.before_hz, *table.after_hz)]
     said += [*updated.problem.names, *(f"{value:#.5g}" for value in updated.x), *updated.notes]
-    said += [
-        str(updated.seed),
-        updated.message,
-        f"{updated.nfev:,} evaluations",
-        f"antires_rs {ar.__version__}",
-    ]
+    said += [str(updated.seed), updated.message, f"{updated.nfev:,} evaluations"]
+    said += [f"antires_rs {ar.__version__}"]
     assert [text for text in said if text not in page.text] == []
     groups = re.findall(r'<tr class="group"><td class="name">(.+?)</td>\s*<td>(.+?)</td>', page.html)
     assert groups == [("mass 0", "mass 0"), ("mass 1", "mass 0"), ("mass 2", "mass 0")]  # each named once
@@ -177,10 +173,8 @@ def test_a_report_against_a_baseline_begins_with_the_answer(intact, tmp_path):
     wanted = "Damage: spring 1|Probability|compared with those of the intact structure; 2 candidate elements"
     wanted += "|What may explain the measurement|What to know before trusting this"
     wanted += "|is not known from one test of the intact structure|probability of damage (%)"
-    wanted += "|smallest by stated errors (%)"
-    wanted += (
-        "|measured, corrected by the baseline (Hz)|The intact structure|intact.uff|learned from the baseline"
-    )
+    wanted += "|smallest by stated errors (%)|measured, corrected by the baseline (Hz)"
+    wanted += "|The intact structure|intact.uff|learned from the baseline"
     places = [page.text.index(words) for words in wanted.split("|")]
     assert places == sorted(places)
     assert page.text.index("What to know") < page.text.index("Stiffness loss by element")

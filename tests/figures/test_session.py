@@ -113,9 +113,8 @@ def test_what_fits_saw_and_did_not_accept_can_be_added(record):
     zeros = ar.identify_antiresonances(h, excitation=0, band_hz=BAND, fit=ar.FitOptions(min_share=1.0))
     dof = next(dof for dof, table in zeros.left_out.items() if len(table))
     table, diagram = zeros.left_out[dof], zeros.diagrams[dof]
-    pick = picked(
-        zeros, dof, clicked("stabilization", table.freq_hz[0], float(diagram.orders[-1]) + 0.2, 1e-6)
-    )
+    at = clicked("stabilization", table.freq_hz[0], float(diagram.orders[-1]) + 0.2, 1e-6)
+    pick = picked(zeros, dof, at)
     assert (pick.action, pick.freq_hz, pick.std_hz) == ("add", table.freq_hz[0], table.std_hz[0])
 
 

@@ -10,8 +10,8 @@ from antires_rs.identification.stabilization import diagram
 from reference.matching import match
 from reference.structures import structure
 from reference.virtual_records import CHAIN8_MASSES, CHAIN8_SPRINGS, accelerance, chain_matrices
-from tests.support.campaign import campaign
 from tests.support.checked_records import BAND, MASS, STIFFNESS, TRUTH
+from tests.support.refusals import refused
 
 
 @pytest.fixture(scope="module")
@@ -32,15 +32,6 @@ def found_by(formulation, lines, row, rule=None):
     assert background.shape == lines.freq_hz.shape
     assert background.min() >= 0.0
     return diagram(sweep, orders, BAND, rule, lines.freq_hz, background)
-
-
-@pytest.mark.parametrize("row", [0, 3, 5])
-def test_exact_responses_give_all_antiresonances(lines, row):
-    found = found_by("joint", lines, row)
-    assert found.identified.size == TRUTH[row].size
-    # abs(s) of the damped zero differs from the undamped root by less than this.
-    assert np.abs(found.identified / TRUTH[row] - 1.0).max() < 1e-3
-    assert np.all((found.identified_damping > 0.004) & (found.identified_damping < 0.012))
 
 
 def test_the_papers_curve_has_its_peaks_at_the_antiresonances(lines):
@@ -73,14 +64,6 @@ def test_the_papers_preset_on_a_record(noise):
     assert (found >= 5, false <= 1) == (True, True), (found, false)  # of 6
 
 
-@campaign
-@pytest.mark.parametrize("seed", [7, 8, 9])
-def test_the_papers_preset_on_the_papers_chain(seed):
-    eight = structure(STIFFNESS, MASS)
-    found, false = identified(eight, eight.record(noise=0.0, seed=seed))
-    assert (found >= 26, false <= 1) == (True, True), (found, false)  # of 28
-
-
 def test_the_papers_preset_on_frfs_keeps_its_rule():
     three = structure(*chain_matrices(CHAIN8_MASSES[:3], CHAIN8_SPRINGS[:2]))
     record = three.record(noise=0.01, seed=7, duration_s=30.0)
@@ -94,13 +77,11 @@ def test_the_papers_preset_on_frfs_keeps_its_rule():
 
 @pytest.mark.parametrize("name", ["eq11", "sum", "power"])
 def test_formulations_that_are_not_there_are_refused(name):
-    with pytest.raises(ar.InvalidInputError, match=f"^formulation: got '?{name}"):
-        ar.FitOptions(formulation=name).checked()
+    refused(f"^formulation: got '?{name}", ar.FitOptions(formulation=name).checked)
 
 
 def test_few_lines_bear_few_orders(lines):
     few = lines.part(0, 30)
     assert sweep_of(few, 0, 2, 60, ar.FitOptions(), "joint")[1] == range(2, 21)
     # Without phase a line is one number, not two.
-    with pytest.raises(ar.InvalidInputError, match="^band_hz: got a band with 30 lines"):
-        sweep_of(few, 0, 2, 60, ar.FitOptions(), "eq10")
+    refused("^band_hz: got a band with 30 lines", sweep_of, few, 0, 2, 60, ar.FitOptions(), "eq10")

@@ -37,15 +37,11 @@ def assert_all(found, rel):
 
 
 @pytest.mark.parametrize("seed", some_of([0, 1, 2]))
-def test_chain8_clean_by_both_routes(seed):
+def test_chain8_by_both_routes(seed):
     assert_all(zeros_of(record(seed=seed)), 1e-4)
     # The FRF route has no rank-one trick at the dips; the bar of the project is 0.5 %.
     assert_all(zeros_of(record(seed=seed), route="frf"), 5e-3)
-
-
-@pytest.mark.parametrize("seed", some_of([3, 4]))
-def test_chain8_with_one_percent_noise(seed):
-    assert_all(zeros_of(record(0.01, seed)), 2e-3)
+    assert_all(zeros_of(record(0.01, seed + 3)), 2e-3)
 
 
 def test_the_force_is_never_read_and_its_place_needs_no_channel():
@@ -66,11 +62,6 @@ def test_one_set_of_transmissibilities_serves_all_dofs_our_own_estimates_too():
         assert_all(zeros_of(ar.FrequencyResponse(freq, values / values[reference], **quotients)), 1e-3)
     assert_all(zeros_of(ar.frf(record(), nperseg=8192)), 5e-3)
     assert_all(zeros_of(ar.transmissibility(record(), 4, nperseg=8192, estimator="rank1")), 5e-3)
-
-
-@pytest.mark.parametrize("estimator", some_of(["h1", "h2", "hv"]))
-def test_other_estimators_work_on_clean_records(estimator):
-    assert sum(map(len, zeros_of(record(), estimator=estimator).values())) >= 27
 
 
 def test_a_selection_of_dofs_and_the_band_are_kept():

@@ -126,9 +126,8 @@ def test_mac_is_blind_to_complex_factors_and_to_real_takes_them_off():
     rng = np.random.default_rng(13)
     shapes = rng.standard_normal((3, 4)) + 1j * rng.standard_normal((3, 4))
     one = ar.ModalSet([1.0, 2.0, 3.0], shapes, dofs=["a", "b", "c", "d"])
-    turned = ar.ModalSet(
-        [1.0, 2.0, 3.0], shapes[:, ::-1] * np.array([[2j], [-1.0], [0.1 + 3j]]), dofs=["d", "c", "b", "a"]
-    )
+    factors = np.array([[2j], [-1.0], [0.1 + 3j]])
+    turned = ar.ModalSet([1.0, 2.0, 3.0], shapes[:, ::-1] * factors, dofs=["d", "c", "b", "a"])
     assert np.allclose(np.diag(one.mac(turned)), 1.0)
     assert np.allclose(one.mac(turned), turned.mac(one).T)
     fewer = ar.ModalSet([1.0], shapes[:1, 1:3], dofs=["b", "c"])

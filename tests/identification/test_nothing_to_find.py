@@ -61,9 +61,7 @@ def test_it_says_so_and_why(case, seed):
 def test_a_record_too_short_for_its_resonances_leaves_nothing_sure():
     columns = {"rows": [30], "spread": [1e-4], "dominance": [1.0], "how": "chain"}
     table = ResponseTable.of_sweep([10.0], [0.01], **columns).with_scores(grade=np.array(["sure"]))
-    short = ar.Finding(
-        "record_length", "fatal", (), 0.5, 2.0, "The record is too short.", "Record for longer."
-    )
+    short = ar.Finding("record_length", "fatal", (), 0.5, 2.0, "It is too short.", "Record for longer.")
     for finding, grade in ((short, "weak"), (replace(short, severity="warning"), "sure")):
         checked = ar.DataCheck((finding,), {}, (0, 1), 0, BAND)
         assert with_second(table, checked).scores["grade"].tolist() == [grade]
@@ -108,14 +106,8 @@ def test_what_all_responses_share_is_left_out_with_its_reason():
     f = np.linspace(1.0, 20.0, 400)
     noise = 1e-3 * np.random.default_rng(1).standard_normal(400)
     poles = ((5.0,), (5.0, 12.0), (5.0,))
-    found = without_common(
-        {
-            dof: ar.stabilization(
-                f, sum(p**2 / (p**2 - f**2 + 0.02j * p * f) for p in own) + noise, max_order=20
-            )
-            for dof, own in enumerate(poles)
-        }
-    )
+    curves = [sum(p**2 / (p**2 - f**2 + 0.02j * p * f) for p in own) + noise for own in poles]
+    found = without_common({i: ar.stabilization(f, one, max_order=20) for i, one in enumerate(curves)})
     assert [one.identified.round(1).tolist() for one in found.values()] == [[], [12.0], []]
     for one in found.values():
         assert one.left_out.freq_hz.round(1).tolist() == [5.0]

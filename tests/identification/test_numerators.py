@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 import antires_rs as ar
 from antires_rs.identification.lines import Lines
@@ -65,15 +64,3 @@ def test_what_no_reference_alone_shows():
             assert found[dof].size == sum(near)
     assert counts["numerators"] == 28
     assert counts["joint"] < 28
-
-
-@pytest.mark.parametrize("options", [{"fit": ar.FitOptions(keep_common=True)}, {"channels": 2}])
-def test_light_damping_without_a_third_witness(options):
-    """Whether all rows share a root cannot be asked: what stays over the orders is still found."""
-    lightly = {"duration_s": 64.0, "noise": 0.001, "damping_ratio": 0.0003}
-    responses, _ = random_record(eight.STIFFNESS, eight.MASS, **lightly, seed=16)
-    rec = ar.Recording(responses[: options.pop("channels", 8)], 512.0)
-    found = ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, check="off", **options)
-    for dof in found:
-        near = [np.abs(found[dof] / f - 1.0).min(initial=np.inf) < 0.01 for f in eight.TRUTH[dof]]
-        assert sum(near) >= len(near) - 2

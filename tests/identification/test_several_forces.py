@@ -1,5 +1,7 @@
 """Several unknown forces: minors, their noise, how many act, and what is found of exact roots."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 
@@ -35,8 +37,6 @@ def zeros(record):
 
 
 def rows_of(n, order):
-    from itertools import combinations
-
     return np.array(list(combinations(range(n), order)))
 
 
@@ -125,16 +125,11 @@ def test_double_root_is_one_value():
 
 def test_responses_behind_one_force_have_no_minor(zeros):
     """Beyond mass 4 both forces arrive through it, so that two responses there hold one unknown."""
-    silent = {(i, k) for i in range(4, 8) for k in range(i + 1, 8)}
-    assert {
-        pair for pair in rows_of_sets() if antiresonances_hz(STIFFNESS, MASS, list(pair), [0, 4]) is None
-    } == silent
+    silent = {*combinations(range(4, 8), 2)}
+    roots = {pair: antiresonances_hz(STIFFNESS, MASS, [*pair], [0, 4]) for pair in combinations(range(8), 2)}
+    assert {pair for pair, hz in roots.items() if hz is None} == silent
     assert not silent & set(zeros)
     assert {tuple(pair) for pair in zeros.options["silent"]} == silent
-
-
-def rows_of_sets():
-    return {tuple(pair) for pair in rows_of(8, 2).tolist()}
 
 
 def test_sets_of_responses_are_named_in_any_order(record):
@@ -211,10 +206,8 @@ def test_records_of_one_force_after_the_other(hits, least):
 
 def test_noise_of_as_many_minors_as_channels_is_that_of_minors():
     """Of three channels and two forces both are three."""
-    hits = [
-        ar.Recording(hit(place, seed).responses[[1, 3, 6]], 400.0, [1, 3, 6])
-        for seed, place in enumerate((0, 4) * 4)
-    ]
+    every = (hit(place, seed) for seed, place in enumerate((0, 4) * 4))
+    hits = [ar.Recording(one.responses[[1, 3, 6]], 400.0, [1, 3, 6]) for one in every]
     averages = average(one_source(hits), BAND, Averaging().checked())
     made = minors.MinorsOfRecord(averages.rec, averages, 2)
     look = looks_of(averages, BAND, made.directions_of(np.arange(3)))[0]
@@ -255,17 +248,13 @@ def test_the_number_of_forces_is_told():
 
 @pytest.mark.parametrize(
     ("acting", "named", "said"),
-    [
-        ((0, 4), 0, r"name all: excitation=\[0, 4\]"),
-        ((0, 3, 6), [0, 4], "need more than 2 forces"),
-        ((0,), [0, 4], "1 uncorrelated force is seen"),
-    ],
+    [((0, 4), 0, "name all: excitation=[0, 4]"), ((0, 3, 6), [0, 4], "need more than 2 forces")]
+    + [((0,), [0, 4], "1 uncorrelated force is seen")],
 )
 def test_the_wrong_number_is_told(acting, named, said):
     record = record_of(CHAIN, acting, 120.0, 0.01, 6)
     checked = ar.check_data(record, excitation=named, band_hz=BAND)
-    assert checked.fatal
-    assert said.replace("\\", "") in str(checked)
+    assert (checked.fatal, said in str(checked)) == (True, True), str(checked)
 
 
 def test_the_wrong_number_gives_no_confident_answer():
@@ -287,8 +276,6 @@ def test_what_cannot_be_is_refused(record):
 
 def test_minors_of_a_record_are_fitted_over_the_band_whatever_it_predicts(record, monkeypatch):
     """Local fits take what a strong mode leaks for zeros: 5 to 17 a record of a truss and a plate strip."""
-    import antires_rs.identification.identify as chapter
-
-    monkeypatch.setattr(chapter, "LARGEST_AHEAD", 0.0)
+    monkeypatch.setattr("antires_rs.identification.identify.LARGEST_AHEAD", 0.0)
     assert quiet(record, [0, 4]).options["fitted"] == "numerators"
     assert quiet(record, 0).options["fitted"] == "directions"

@@ -56,16 +56,12 @@ def test_wrong_units_and_axes_are_named(change, said):
 
 def test_swapped_channels_and_unmatched_points_are_named():
     points = dict(POINTS)
-    (a, *_), (b, *_) = (
-        [name for name in points if name.endswith("+X")],
-        [n for n in points if n.endswith("-Z")],
-    )
+    a, b = (next(name for name in points if name.endswith(way)) for way in ("+X", "-Z"))
     points[a], points[b] = (*points[b][:3], "+X"), (*points[a][:3], "-Z")
     points["lost"] = (25.0, 0.0, 0.0, "+X")
     points["askew"] = (*PLACES[0], (1.0, 1.0, 0.0))
-    with pytest.warns(
-        ar.AntiresWarning, match="look exchanged.*'lost': nearest node .* m away.*lies between axes"
-    ):
+    said = "look exchanged.*'lost': nearest node .* m away.*lies between axes"
+    with pytest.warns(ar.AntiresWarning, match=said):
         matched = ar.match_points(points, NODES, tolerance_m=0.02)
     assert f"{min(a, b)!r} and {max(a, b)!r} look exchanged" in matched.notes[0]
     assert set(matched.unmatched) == {"lost", "askew"}
@@ -105,15 +101,11 @@ def test_nodes_of_a_universal_file(tmp_path, number, per_m):
     form = "{:10d}         0         0         1{:13.5E}{:13.5E}{:13.5E}"
     if number == 2411:
         form = "{:10d}         1         1        11\n{:25.16E}{:25.16E}{:25.16E}"
-    rows = [
-        form.format(node, *(per_m * x for x in xyz)).replace("E", "D" if number == 2411 else "E")
-        for node, xyz in nodes.items()
-    ]
+    rows = "\n".join(form.format(node, *(per_m * x for x in xyz)) for node, xyz in nodes.items())
+    rows = rows.replace("E", "D" if number == 2411 else "E")
     units = f"         1SI                          2\n{per_m:25.16E}{1.0:25.16E}{1.0:25.16E}\n{0.0:25.16E}"
-    sets = [
-        f"    -1\n{kind:6d}\n{text}\n    -1\n" for kind, text in ((164, units), (number, "\n".join(rows)))
-    ]
-    file.write_bytes("".join(sets).encode() + file.read_bytes())
+    sets = "".join(f"    -1\n{kind:6d}\n{text}\n    -1\n" for kind, text in ((164, units), (number, rows)))
+    file.write_bytes(sets.encode() + file.read_bytes())
     matched = ar.match_points(file, {70 + node: xyz for node, xyz in nodes.items()})
     assert matched.dofs == {"1+Z": "71:Z", "2-Y": "72:Y", "9+X": "79:X"}
     assert ar.match_points({"a": (0.5, 0.25, 0.0, "+X")}, file).dofs == {"a": "9:X"}
@@ -121,14 +113,8 @@ def test_nodes_of_a_universal_file(tmp_path, number, per_m):
     np.testing.assert_allclose(turned.responses[1], -record.responses[1], rtol=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("points", "said"),
-    [
-        ({}, "points: got"),
-        ({"a": (0.0, 1.0)}, r"points\['a'\]: got \(0.0, 1.0\)"),
-        ({"a": (0.0, 1.0, 0.0, "up")}, "a direction such as"),
-        ({"a": (0.0, 1.0, 0.0, (0, 0, 0))}, "three numbers"),
-    ],
-)
-def test_what_is_no_point_is_refused(points, said):
-    refused(said, ar.match_points, points, NODES)
+def test_what_is_no_point_is_refused():
+    refused("points: got", ar.match_points, {}, NODES)
+    refused(r"points\['a'\]: got \(0.0, 1.0\)", ar.match_points, {"a": (0.0, 1.0)}, NODES)
+    refused("a direction such as", ar.match_points, {"a": (0.0, 1.0, 0.0, "up")}, NODES)
+    refused("three numbers", ar.match_points, {"a": (0.0, 1.0, 0.0, (0, 0, 0))}, NODES)

@@ -47,11 +47,9 @@ def test_excel_of_responses(tmp_path, own_process):
     names = ["Frequency [Hz]", "re(a)", "im(a)", "re(b)", "im(b)"]
     read = ar.read_excel(workbook(tmp_path / "a.xlsx", names, *map(list, parts)))
     np.testing.assert_allclose(read.values, H)
-    texts = [
-        [f, *(f"{float(h.real)!r}{h.imag:+.17g}i" for h in column)]
-        for f, column in zip(freq, H.T, strict=True)
-    ]
-    read = ar.read_excel(workbook(tmp_path / "b.xlsx", ["Frequency [Hz]", "a", "b"], *texts))
+    texts = ([f"{float(h.real)!r}{h.imag:+.17g}i" for h in column] for column in H.T)
+    rows = [[f, *each] for f, each in zip(freq, texts, strict=True)]
+    read = ar.read_excel(workbook(tmp_path / "b.xlsx", ["Frequency [Hz]", "a", "b"], *rows))
     np.testing.assert_allclose(read.values, H)
 
 
@@ -125,10 +123,9 @@ def test_a_column_that_counts_rows_is_left_out(tmp_path):
 def test_instants_are_the_time(tmp_path, form, between, sign, point):
     begun = np.datetime64("2026-05-04T23:59:59.5", "us")
     rows = []
-    for i in range(N):
+    for i, values in enumerate(zip(A.tolist(), B.tolist(), strict=True)):
         at = str(begun + np.timedelta64(3906250 * i, "ns").astype("timedelta64[us]")).replace("T", between)
-        rows.append((form.format(at), f"{A[i]!r}".replace(".", point), f"{B[i]!r}".replace(".", point)))
-    rows = [(each, a.split("(")[-1].rstrip(")"), b.split("(")[-1].rstrip(")")) for each, a, b in rows]
+        rows.append((form.format(at), *(repr(value).replace(".", point) for value in values)))
     recorded(ar.read_csv(text(tmp_path / "a.csv", [sign.join(["when", "a", "b"])], rows, sign)))
     if form == "{}" and between == "T":
         recorded(ar.read_csv(text(tmp_path / "b.csv", [], rows, sign)))
@@ -137,9 +134,7 @@ def test_instants_are_the_time(tmp_path, form, between, sign, point):
 @pytest.mark.parametrize("form", ["{}{:+}j", "{}{:+}i", "{} + {}i", "({}{:+}j)"])
 def test_complex_columns_of_every_spelling(tmp_path, form):
     values = np.abs(H.real) + 1j * np.abs(H.imag)
-    rows = [
-        (float(f), *(form.format(float(v.real), float(v.imag)) for v in column))
-        for f, column in zip(np.arange(1.0, N + 1), values.T, strict=True)
-    ]
+    texts = ([form.format(v.real, v.imag) for v in column] for column in values.T.tolist())
+    rows = [(f, *column) for f, column in enumerate(texts, 1)]
     read = ar.read_csv(text(tmp_path / "a.csv", ["freq,a,b"], rows))
     np.testing.assert_allclose(read.values, values)

@@ -60,10 +60,8 @@ def test_the_frequencies_behind_six_digits(tmp_path, step, label, unit_hz):
 
 
 def test_names_become_dofs_by_a_mapping(tmp_path):
-    sets = [
-        dataset(row, node=n, direction=d) for row, n, d in zip(NOISE, (12, 3, 3), (3, -1, 4), strict=False)
-    ]
-    path = written(tmp_path / "a.uff", *sets)
+    places = zip(NOISE, (12, 3, 3), (3, -1, 4), strict=False)
+    path = written(tmp_path / "a.uff", *(dataset(row, node=n, direction=d) for row, n, d in places))
     rec = ar.read_uff(path, dofs={(12, "+Z"): 4, (3, "X"): 0, "3+RX": None})
     assert rec.dofs == (4, 0)
     np.testing.assert_array_equal(rec.responses[1], -NOISE[1])  # recorded against the axis
@@ -220,14 +218,9 @@ SIX = np.array([0.4, -0.06 - 0.055j, 0.026 - 0.00023j, -0.3 + 0.317j, -1.8 + 1.5
 
 def lines_of(kind, form, body, *, even=1, step=0.195313, unit="NONE", axis="Hz", over=18, points=6):
     """Lines of a dataset 58; ``form`` is the ordinate type, ``body`` the lines of numbers."""
+    said = "    -1|    58|a test|NONE|23-Mar-17 19:02:23|Record 1 of Dataset no 58|H1 : #  2 / #  1"
     return [
-        "    -1",
-        "    58",
-        "a test",
-        "NONE",
-        "23-Mar-17 19:02:23",
-        "Record 1 of Dataset no 58",
-        "H1 : #  2 / #  1",
+        *said.split("|"),
         f"{kind:5d}         0    0         0 NONE               0   0 NONE               0   0",
         f"{form:10d}{points:10d}{even:10d} {0.0:.5e}  {step:.5e}  {0.0:.5e} ",
         f"{over:10d}    0    0    0 NONE                 {axis:<20}",
@@ -257,10 +250,8 @@ def test_signs_at_the_beginning_of_fields_and_units_beyond_ascii(tmp_path, encod
 
 
 def test_power_spectra_alone_have_no_phase(tmp_path):
-    body = [
-        f" {i:12.6E} {1e-6 * (i + 1):12.6E} {0.0:12.6E} {i + 1:12.6E} {2e-6:12.6E} {0.0:12.6E}"
-        for i in (0, 2, 4)
-    ]
+    row = " {:12.6E} {:12.6E} {:12.6E} {:12.6E} {:12.6E} {:12.6E}".format
+    body = [row(i, 1e-6 * (i + 1), 0.0, i + 1, 2e-6, 0.0) for i in (0, 2, 4)]
     lines = lines_of(9, 5, body, even=0, step=0.0, unit="g²/Hz")
     (tmp_path / "a.uff").write_bytes("\n".join([*lines, ""]).encode())
     unsuitable(r"1 auto spectra, the first of 0S.*lost the phase", ar.read_uff, tmp_path / "a.uff")

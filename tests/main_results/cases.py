@@ -16,7 +16,7 @@ import antires_rs as ar
 from benchmarks.search_cases import STRUCTURES as SEARCHED
 from reference import measured as published, structures
 from reference.small_records import OPTIONS, record
-from tests.support.wrong_chains import NOMINAL, N, chain, measured, truth
+from reference.wrong_chains import NOMINAL, N, chain, measured, truth
 
 Case = tuple[str, Callable[[], Any]]
 
@@ -87,10 +87,8 @@ def identifications() -> Iterator[Case]:
     }
     for seed, (name, options) in zip((*range(710, 715), *range(716, 719)), small.items(), strict=True):
         yield name, lambda s=seed, o=options: _set(ar.identify_antiresonances(record(s), **OPTIONS | o))
-    yield (
-        "small three records",
-        lambda: _set(ar.identify_antiresonances([record(s) for s in (720, 721, 722)], **OPTIONS)),
-    )
+    three = range(720, 723)
+    yield "small three records", lambda: _set(ar.identify_antiresonances([*map(record, three)], **OPTIONS))
     yield "small modes", lambda: _modal(ar.identify_modes(record(723), band_hz=(0.8, 8.0), max_order=20))
     yield "small frf", _frf
     yield from _published()
@@ -100,9 +98,8 @@ def _simulated(name: str, seed: int) -> Any:
     make, sensors = structures.STRUCTURES[name]
     made = make(seed)
     signal = made.record(duration_s=120.0, noise=0.01, seed=seed, sensors=sensors)
-    return _set(
-        ar.identify_antiresonances(signal, excitation=made.excitation, band_hz=made.band_hz, max_order=40)
-    )
+    given = {"excitation": made.excitation, "band_hz": made.band_hz, "max_order": 40}
+    return _set(ar.identify_antiresonances(signal, **given))
 
 
 def _frf() -> Any:
@@ -112,15 +109,13 @@ def _frf() -> Any:
 
 def _published() -> Iterator[Case]:
     for one in published.structures():
-        yield (
-            f"published {one.name} {one.excitation}",
-            lambda one=one: _set(
-                ar.identify_antiresonances(one.frfs, excitation=one.excitation, band_hz=one.band_hz)
-            ),
-        )
+        yield f"published {one.name} {one.excitation}", lambda one=one: _of_curves(one)
     if (published.DATA / "iqs_plates").is_dir():
         for state in ("27A_C60", "36A_S3"):
-            yield f"published plate {state}", lambda state=state: _plate(state)
+            yield (
+                f"published plate {state}",
+                lambda s=state: _of_curves(published.plate(s, published.PLATE_COLUMNS)),
+            )
     if (published.DATA / "shake_table").is_dir():
         for kind in ("flexible", "stiff"):
             yield f"published shake table {kind}", lambda kind=kind: _shaken(kind)
@@ -130,8 +125,7 @@ def _published() -> Iterator[Case]:
         yield "published hits", _hit
 
 
-def _plate(state: str) -> Any:
-    one = published.plate(state, published.PLATE_COLUMNS)
+def _of_curves(one: Any) -> Any:
     return _set(ar.identify_antiresonances(one.frfs, excitation=one.excitation, band_hz=one.band_hz))
 
 
@@ -159,14 +153,8 @@ def _hit() -> Any:
 
 
 def _set(found: Any) -> Any:
-    return {
-        str(dof): {
-            "freq_hz": found[dof].tolist(),
-            "damping_ratio": found.damping_ratio[dof].tolist() if dof in found.damping_ratio else [],
-            "std_hz": found.std_hz[dof].tolist() if dof in found.std_hz else [],
-        }
-        for dof in found
-    }
+    parts = {"freq_hz": found, "damping_ratio": found.damping_ratio, "std_hz": found.std_hz}
+    return {str(d): {k: p[d].tolist() if d in p else [] for k, p in parts.items()} for d in found}
 
 
 def _modal(found: Any) -> Any:
@@ -175,31 +163,17 @@ def _modal(found: Any) -> Any:
 
 def assessments() -> Iterator[Case]:
     """Chains whose model is wrong by some per cent, with and without a baseline; frames; prepared answers."""
-    damages: list[dict[int, float]] = [
-        {},
-        {0: 0.1},
-        {2: 0.3},
-        {4: 0.6},
-        {1: 0.2, 3: 0.35},
-        {0: 0.5, 2: 0.2, 4: 0.3},
-    ]
+    damages: list[dict[int, float]] = [{}, {0: 0.1}, {2: 0.3}, {4: 0.6}, {1: 0.2, 3: 0.35}]
+    damages.append({0: 0.5, 2: 0.2, 4: 0.3})
     for i, losses in enumerate(damages):
         for seed in (810 + i, 830 + i):
             yield f"baseline {losses} {seed}", lambda a=(losses, seed): _assessed(*a)
     yield "baseline, some candidates", lambda: _assessed({2: 0.3}, 850, elements=[0, 1, 3, 4])
-    yield (
-        "baseline, alarm rate",
-        lambda: _assessed({3: 0.05}, 851, search=ar.SearchOptions(false_alarm_rate=0.2)),
-    )
-    yield "baseline, common", lambda: _assessed({3: 0.25}, 852, search=ar.SearchOptions(std_common=0.002))
-    yield (
-        "baseline, prior",
-        lambda: _assessed(
-            {1: 0.1},
-            853,
-            prior=ar.DamagePrior(nothing=0.9, one=0.07, two=0.01, three=0.0, elsewhere=0.01, unknown=0.01),
-        ),
-    )
+    rate, common = ar.SearchOptions(false_alarm_rate=0.2), ar.SearchOptions(std_common=0.002)
+    prior = ar.DamagePrior(nothing=0.9, one=0.07, two=0.01, three=0.0, elsewhere=0.01, unknown=0.01)
+    yield "baseline, alarm rate", lambda: _assessed({3: 0.05}, 851, search=rate)
+    yield "baseline, common", lambda: _assessed({3: 0.25}, 852, search=common)
+    yield "baseline, prior", lambda: _assessed({1: 0.1}, 853, prior=prior)
     yield "baseline, two intact", lambda: _assessed({1: 0.15}, 854, intact=2)
     yield "baseline, repeated", lambda: _assessed({0: 0.12}, 855, now=2)
     for seed in (860, 861, 862, 863):
@@ -235,10 +209,8 @@ def _records(seed: int) -> Any:
     sets = []
     for losses in (np.zeros(7), np.eye(7)[seed % 7] * 0.3):
         model = case.true_model(0).with_parameters(ar.stiffness_reduction(range(7)), losses)
-        signal = model.simulate(
-            excitation=0, fs_hz=512.0, duration_s=128.0, damping_ratio=0.01, noise=0.01,
-            responses=list(range(8)), rng=rng,
-        )  # fmt: skip
+        made = {"fs_hz": 512.0, "duration_s": 128.0, "damping_ratio": 0.01, "noise": 0.01}
+        signal = model.simulate(excitation=0, **made, responses=list(range(8)), rng=rng)
         sets.append(ar.identify_antiresonances(signal, excitation=0, band_hz=case.band_hz, check="off"))
     return _judged(ar.assess_damage(case.model, sets[1], baseline=sets[0], workers=1))
 

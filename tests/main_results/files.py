@@ -11,7 +11,7 @@ import numpy as np
 
 import antires_rs as ar
 from reference.small_records import OPTIONS, record
-from tests.support.wrong_chains import NOMINAL, chain, measured, truth
+from reference.wrong_chains import NOMINAL, chain, measured, truth
 
 FOLDER = Path(__file__).with_name("files_0")
 #: An assessor's file grows with the square of its model.

@@ -45,23 +45,15 @@ def differences(
     ``by_name`` has limits of its own for what stands under these keys.
     """
     if isinstance(kept, dict) and isinstance(new, dict):
-        return [
-            line
-            for key in sorted({*kept, *new})
-            for line in differences(
-                kept.get(key),
-                new.get(key),
-                (by_name or {}).get(key, limit),
-                f"{place}/{key}",
-                by_name=by_name,
-            )
-        ]
-    if isinstance(kept, list) and isinstance(new, list) and len(kept) == len(new):
-        return [
-            line
-            for i, pair in enumerate(zip(kept, new, strict=True))
-            for line in differences(*pair, limit, f"{place}/{i}", by_name=by_name)
-        ]
+        parts = {key: (kept.get(key), new.get(key)) for key in sorted({*kept, *new})}
+    elif isinstance(kept, list) and isinstance(new, list) and len(kept) == len(new):
+        parts = dict(enumerate(zip(kept, new, strict=True)))
+    else:
+        parts = {}
+    if parts:
+        limits = {key: (by_name or {}).get(key, limit) for key in parts}
+        inside = (differences(*parts[k], limits[k], f"{place}/{k}", by_name=by_name) for k in parts)
+        return [line for lines in inside for line in lines]
     if isinstance(kept, float) and isinstance(new, float | int):
         if kept == new or kept != kept and new != new:
             return []

@@ -70,7 +70,5 @@ def test_what_is_compared_can_differ():
     assert differences([1.0], [1.0, 2.0], 1.0)
     assert differences("0x1p0", "0x1p1", 1.0)
     assert differences([0.5], [0.5 + 1e-7], LIMITS["assessments"]) == []
-    values = {"freq_hz": [5.0], "std_hz": [0.1]}
-    assert differences(values, {"freq_hz": [5.001], "std_hz": [0.11]}, 0.0, by_name=ELSEWHERE) == [
-        "/freq_hz/0: 5.0 was, 5.001 is"
-    ]
+    was, now = {"freq_hz": [5.0], "std_hz": [0.1]}, {"freq_hz": [5.001], "std_hz": [0.11]}
+    assert differences(was, now, 0.0, by_name=ELSEWHERE) == ["/freq_hz/0: 5.0 was, 5.001 is"]

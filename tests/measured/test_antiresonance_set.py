@@ -20,12 +20,8 @@ from tests.support.same_sets import assert_same_set
 
 
 def example():
-    return AntiresonanceSet(
-        "hammer",
-        {0: [36.2, 12.1], "tip": 8.0, 2: []},
-        damping_ratio={0: [0.02, 0.01]},
-        std_hz={0: [0.2, 0.1], 2: []},
-    )
+    values, std = {0: [36.2, 12.1], "tip": 8.0, 2: []}, {0: [0.2, 0.1], 2: []}
+    return AntiresonanceSet("hammer", values, damping_ratio={0: [0.02, 0.01]}, std_hz=std)
 
 
 def test_it_is_a_mapping_in_ascending_order():
@@ -139,27 +135,16 @@ def test_bad_arguments_are_named(argument, value):
 
 # -- The table of a response; printed: frequency, deviation, grade and doubts
 def table():
-    made = ResponseTable.of_sweep(
-        [8.7, 23.9, 31.0],
-        [0.01, 0.01, 0.01],
-        [0.004, 0.005, 0.2],
-        rows=[45, 30, 5],
-        spread=[1e-5, 4e-3, 4e-3],
-        dominance=[1.0, 1.0, 0.5],
-        how=["chain", "chain", "persistent"],
-    )
+    columns = {"rows": [45, 30, 5], "spread": [1e-5, 4e-3, 4e-3], "dominance": [1.0, 1.0, 0.5]}
+    columns["how"] = ["chain", "chain", "persistent"]
+    made = ResponseTable.of_sweep([8.7, 23.9, 31.0], [0.01] * 3, [0.004, 0.005, 0.2], **columns)
     return graded(made.with_scores(residual=[0.01, 0.01, 0.2], prominence_db=[15.0, 2.0, 2.0]))
 
 
 def test_rows_of_a_table_are_taken_in_order_and_no_column_has_another_length():
-    made = ResponseTable.of_sweep(
-        [36.2, 12.2, 20.0],
-        [0.02, 0.01, 0.03],
-        rows=[30, 11, 25],
-        spread=[1e-4, 2e-4, 3e-4],
-        dominance=[1.0, 0.9, 0.8],
-        how=["chain", "persistent", "chain"],
-    )
+    columns = {"rows": [30, 11, 25], "spread": [1e-4, 2e-4, 3e-4], "dominance": [1.0, 0.9, 0.8]}
+    columns["how"] = ["chain", "persistent", "chain"]
+    made = ResponseTable.of_sweep([36.2, 12.2, 20.0], [0.02, 0.01, 0.03], **columns)
     assert made.freq_hz.tolist() == [12.2, 20.0, 36.2]
     assert made.rows.tolist() == made.orders.tolist() == [11, 25, 30]
     assert np.isnan([made.std_hz, made.residual]).all()
@@ -190,12 +175,8 @@ def test_a_set_has_a_line_a_value_with_its_doubts_in_words():
 
 def test_a_doubt_of_all_channels_is_not_said_twice():
     two = np.array([0.1, 0.0])
-    one = (
-        table()
-        .take([0, 1])
-        .with_scores(grade=["weak"] * 2, second=two, doubt=["second force, record too short"] * 2)
-    )
-    doubts = doubts_of(one)
+    scores = {"grade": ["weak"] * 2, "second": two, "doubt": ["second force, record too short"] * 2}
+    doubts = doubts_of(table().take([0, 1]).with_scores(**scores))
     assert doubts[0][0] == "second force or noise"
     assert [row[-1] for row in doubts] == ["record too short"] * 2
     assert "second force" not in doubts[0]
@@ -216,15 +197,10 @@ def some(**options):
 
 @pytest.fixture
 def rich():
-    return ar.AntiresonanceSet.from_tables(
-        0,
-        some().tables,
-        left_out={0: ResponseTable([9.0, 9.5], scores={"why": ["no peak", "no peak"]}), 1: ResponseTable([])},
-        unexplained_hz={0: np.array([33.3 + 1e-13]), 1: np.empty(0)},
-        sees="transmissibility",
-        channels=[0, 1, 5],
-        options={"preset": "strict"},
-    )
+    left_out = {0: ResponseTable([9.0, 9.5], scores={"why": ["no peak"] * 2}), 1: ResponseTable([])}
+    more = {"unexplained_hz": {0: np.array([33.3 + 1e-13]), 1: np.empty(0)}, "sees": "transmissibility"}
+    more |= {"channels": [0, 1, 5], "options": {"preset": "strict"}, "left_out": left_out}
+    return ar.AntiresonanceSet.from_tables(0, some().tables, **more)
 
 
 def test_edits_and_files_keep_it(rich, tmp_path):
@@ -321,14 +297,9 @@ def test_several_forces_have_tuples_for_keys_in_one_order():
     assert named.channels == ("a", "b", "c")
 
 
-def test_several_forces_print_without_parentheses():
-    head, names, first, *_ = str(of_two_forces()).splitlines()
-    assert head == "antiresonances, forces at 0, 4"
-    assert names.split() == ["dof", "freq_hz", "std_hz"]
-    assert first.split() == ["1,", "5", "36.200", "0.100"]
-
-
-def test_several_forces_come_back_from_a_file_and_a_pickle():
+def test_several_forces_print_without_parentheses_and_come_back_from_a_file_and_a_pickle():
+    head, _, first, *_ = str(of_two_forces()).splitlines()
+    assert (head, first.split()) == ("antiresonances, forces at 0, 4", ["1,", "5", "36.200", "0.100"])
     zeros = of_two_forces().drop((5, 1), 36.2, reason="hum").add((2, 0), 7.0)
     again = ar.AntiresonanceSet.from_json(zeros.to_json())
     assert again == zeros == pickle.loads(pickle.dumps(zeros))
@@ -357,20 +328,15 @@ def test_minors_are_reciprocal_when_a_hammer_roves():
     assert {key: own.tolist() for key, own in joined.items()} == {(0, 4): [36.2, 58.5], (1, 2): [9.0]}
 
 
-@pytest.mark.parametrize(
-    ("excitation", "values", "said"),
-    [
-        ([0, 0], {(1, 2): 3.0}, "the same dof twice"),
-        ([0, 4], {1: 3.0}, "1 dof; wanted 2 responses for 2 forces"),
-        (0, {(1, 2): 3.0}, "2 dofs; wanted 1 response for 1 force"),
-        ([0, 4], {(1, 1): 3.0}, "the same dof twice"),
-        ([0, 4], {(1, 2): 3.0, (2, 1): 4.0}, "more than once"),
-        ([], {1: 3.0}, "without a dof"),
-        ([0, 4.5], {(1, 2): 3.0}, "named by an integer or a string"),
-    ],
-)
-def test_what_is_no_set_of_several_forces_is_refused(excitation, values, said):
-    refused(said, ar.AntiresonanceSet, excitation, values)
+def test_what_is_no_set_of_several_forces_is_refused():
+    made = ar.AntiresonanceSet
+    refused("the same dof twice", made, [0, 0], {(1, 2): 3.0})
+    refused("1 dof; wanted 2 responses for 2 forces", made, [0, 4], {1: 3.0})
+    refused("2 dofs; wanted 1 response for 1 force", made, 0, {(1, 2): 3.0})
+    refused("the same dof twice", made, [0, 4], {(1, 1): 3.0})
+    refused("more than once", made, [0, 4], {(1, 2): 3.0, (2, 1): 4.0})
+    refused("without a dof", made, [], {1: 3.0})
+    refused("named by an integer or a string", made, [0, 4.5], {(1, 2): 3.0})
 
 
 def test_several_dofs_have_one_spelling():

@@ -17,12 +17,9 @@ def exact_of(model):
 
 
 def drawn(model, rng, errors=2e-4, std=2e-4):
-    exact = exact_of(model)
-    return ar.AntiresonanceSet(
-        0,
-        {dof: f * (1.0 + errors * rng.standard_normal(f.size)) for dof, f in enumerate(exact)},
-        std_hz={dof: std * f for dof, f in enumerate(exact)},
-    )
+    exact = dict(enumerate(exact_of(model)))
+    found = {dof: f * (1.0 + errors * rng.standard_normal(f.size)) for dof, f in exact.items()}
+    return ar.AntiresonanceSet(0, found, std_hz={dof: std * f for dof, f in exact.items()})
 
 
 def damaged(loss):

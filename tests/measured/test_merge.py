@@ -11,12 +11,9 @@ STD = 3e-4
 
 
 def setup(excitation, dofs, rng, shift=0.0):
-    exact = MODEL.antiresonances(list(dofs), excitation)
-    return ar.AntiresonanceSet(
-        excitation,
-        {d: f * (1.0 + shift + STD * rng.standard_normal(f.size)) for d, f in zip(dofs, exact, strict=True)},
-        std_hz={d: STD * f for d, f in zip(dofs, exact, strict=True)},
-    )
+    exact = dict(zip(dofs, MODEL.antiresonances(list(dofs), excitation), strict=True))
+    found = {d: f * (1.0 + shift + STD * rng.standard_normal(f.size)) for d, f in exact.items()}
+    return ar.AntiresonanceSet(excitation, found, std_hz={d: STD * f for d, f in exact.items()})
 
 
 def test_roving_sensors_around_a_reference():
@@ -62,9 +59,8 @@ def test_setups_that_agree_are_merged_in_silence_and_others_not():
 def test_the_setup_that_disagrees_is_named():
     rng = np.random.default_rng(2)
     setups = [setup(0, (0, d), rng, shift=0.005 if d == 3 else 0.0) for d in (1, 2, 3, 4)]
-    with pytest.warns(
-        ar.AntiresWarning, match=r"Setup 2 disagrees .*at dof 0, \+0\..* % from the others"
-    ) as seen:
+    said = r"Setup 2 disagrees .*at dof 0, \+0\..* % from the others"
+    with pytest.warns(ar.AntiresWarning, match=said) as seen:
         merged = ar.merge_setups(setups)
     assert "Setup 0" not in str(seen[0].message)
     assert np.all(np.abs(merged[0] / MODEL.antiresonances(0, 0) - 1.0) < 3 * merged.std_hz[0] / merged[0])
@@ -77,17 +73,11 @@ def test_the_setup_that_disagrees_is_named():
 ONE, OTHER = (setup(k, (0, 1), np.random.default_rng(0)) for k in (0, 1))
 
 
-@pytest.mark.parametrize(
-    ("sets", "options", "said"),
-    [
-        ([ONE], {}, "^sets: got .*list of 2"),
-        ([ONE, OTHER], {}, r"^sets\[1\]: got .*excitation=DOF"),
-        ([ONE, OTHER], {"excitation": 5}, r"^sets\[0\]: got .*Name a place"),
-        ([ONE, ONE], {"check": "maybe"}, "^check: got .*one of"),
-    ],
-)
-def test_bad_arguments_of_merge_are_named(sets, options, said):
-    refused(said, ar.merge_setups, sets, **options)
+def test_bad_arguments_of_merge_are_named():
+    refused("^sets: got .*list of 2", ar.merge_setups, [ONE])
+    refused(r"^sets\[1\]: got .*excitation=DOF", ar.merge_setups, [ONE, OTHER])
+    refused(r"^sets\[0\]: got .*Name a place", ar.merge_setups, [ONE, OTHER], excitation=5)
+    refused("^check: got .*one of", ar.merge_setups, [ONE, ONE], check="maybe")
 
 
 def test_the_same_set_twice_counts_once():

@@ -106,13 +106,10 @@ WRONG_EQUATIONS += [(np.full((1, 6), 1j), r"constraints\[0\]: got complex")]
 WRONG_EQUATIONS += [(np.ones(6), r"constraints\[0\]: got a row of shape")]
 WRONG_EQUATIONS += [([{"1:Z": 1.0}], r"constraints\[0\]: got '1:Z'")]
 WRONG_EQUATIONS += [(scipy.sparse.coo_array(np.ones(6)), r"sparse array of shape \(6,\)")]
-WRONG_EQUATIONS += [
-    *((scipy.sparse.csr_array(np.ones((1, n))), rf"sparse array of shape \(1, {n}\)") for n in (5, 9))
-]
-WRONG_EQUATIONS += [
-    *((scipy.sparse.csr_array(np.full((1, 6), x)), "constraints: got 6 NaN or inf") for x in (np.nan, np.inf))
-]
-WRONG_EQUATIONS += [(scipy.sparse.csr_array(np.full((1, 6), 1j)), "constraints: got complex")]
+SHAPES = {5: r"sparse array of shape \(1, 5\)", 9: r"sparse array of shape \(1, 9\)"}
+VALUES = dict.fromkeys((np.nan, np.inf), "constraints: got 6 NaN or inf") | {1j: "constraints: got complex"}
+WRONG_EQUATIONS += [(scipy.sparse.csr_array(np.ones((1, n))), said) for n, said in SHAPES.items()]
+WRONG_EQUATIONS += [(scipy.sparse.csr_array(np.full((1, 6), x)), said) for x, said in VALUES.items()]
 
 
 @pytest.mark.parametrize(
@@ -201,10 +198,8 @@ def test_terms_and_parameters_go_through_the_equations():
         np.testing.assert_allclose(changed.antiresonances(*ends), again.antiresonances(*ends), rtol=1e-9)
     dofs, seen, modes = [0, 1, 2, 3, 4, 6, 8, 11], [1, 4, 9, 11], again.modes()
     zeros = dict(zip(dofs, again.antiresonances(dofs, 4), strict=True))
-    for truth in (
-        ar.AntiresonanceSet(4, zeros, sees="frf"),
-        ar.ModalSet(modes.freq_hz[:4], modes.shapes[:4, seen], dofs=seen),
-    ):
+    shapes = ar.ModalSet(modes.freq_hz[:4], modes.shapes[:4, seen], dofs=seen)
+    for truth in (ar.AntiresonanceSet(4, zeros, sees="frf"), shapes):
         problem = ar.UpdatingProblem(model, unknowns, truth)
         assert problem.cost([1.5, 0.8]) < 1e-7 < problem.cost([1.0, 1.0])
 
@@ -214,12 +209,8 @@ def test_a_model_with_all_of_it_is_copied_pickled_and_saved(tmp_path):
     names = {f"{dof + 1}:Z": dof for dof in range(12)}
     model = ar.MatrixModel(k, m, constraints=c, keep=["3:Z"], dofs=names)
     ar.write_matrices(tmp_path / "model.npz", model)
-    for other in (
-        copy.deepcopy(model),
-        pickle.loads(pickle.dumps(model)),
-        ar.read_matrices(tmp_path / "model.npz"),
-        ar.MatrixModel.from_description(model.description),
-    ):
+    copies = copy.deepcopy(model), pickle.loads(pickle.dumps(model)), ar.read_matrices(tmp_path / "model.npz")
+    for other in (*copies, ar.MatrixModel.from_description(model.description)):
         assert other.description == model.description
         one, two = (each.antiresonances("4:Z", "12:Z") for each in (other, model))
         np.testing.assert_array_equal(one, two)

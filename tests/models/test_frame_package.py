@@ -51,11 +51,8 @@ def theirs(nodes, elements, fixed):
     _prepare_model(model)
     order = [6 * model.nodes[f"N{i}"].ID + d for i in range(len(nodes)) for d in range(6)]
     free = [order[6 * i + d] for i in range(len(nodes)) for d in range(6) if (i, d) not in fixed]
-    pick = np.ix_(free, free)
-    return (
-        np.asarray(model.Ke("mass", check_stability=False, sparse=False))[pick],
-        np.asarray(model.M("mass", "Y", 1.0, sparse=False))[pick],
-    )
+    stiffness = model.Ke("mass", check_stability=False, sparse=False)
+    return [np.asarray(a)[np.ix_(free, free)] for a in (stiffness, model.M("mass", "Y", 1.0, sparse=False))]
 
 
 def upright(nodes, elements):

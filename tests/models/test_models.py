@@ -113,10 +113,8 @@ def test_a_name_is_as_good_as_a_number():
     numbers, names = [0, 2, 5], ["1204:Z", "1205+Z", "hub"]
     for a, b in zip(model.antiresonances(numbers, 4), model.antiresonances(names, "7:X"), strict=True):
         np.testing.assert_array_equal(a, b)
-    freq = [2.0, 20.0]
-    np.testing.assert_array_equal(
-        model.frf(numbers, 4, freq, damping_ratio=0.01), model.frf(names, "7:UX", freq, damping_ratio=0.01)
-    )
+    ends = (numbers, 4), (names, "7:UX")
+    np.testing.assert_array_equal(*(model.frf(*each, [2.0, 20.0], damping_ratio=0.01) for each in ends))
     made = {"fs_hz": 200.0, "duration_s": 2.0, "damping_ratio": 0.01, "rng": 0}
     by_name = model.simulate(excitation="7:X", responses=names, **made).responses
     by_number = model.simulate(excitation=4, responses=numbers, **made).responses
@@ -127,10 +125,8 @@ def test_a_name_is_as_good_as_a_number():
 def sets(model, truth):
     dofs, names = [0, 2, 4, 5], ["1204+Z", "1205 UZ", "7:X", "hub"]
     values = truth.antiresonances(dofs, 4)
-    return (
-        ar.AntiresonanceSet(4, dict(zip(dofs, values, strict=True)), sees="frf"),
-        ar.AntiresonanceSet("7:X", dict(zip(names, values, strict=True)), sees="frf"),
-    )
+    ends = (4, dofs), ("7:X", names)
+    return [ar.AntiresonanceSet(at, dict(zip(own, values, strict=True)), sees="frf") for at, own in ends]
 
 
 def test_updating_takes_sets_with_names():
@@ -147,25 +143,19 @@ def test_updating_takes_sets_with_names():
     found = [ar.identifiability(each, points=8) for each in (by_number, by_name)]
     assert found[0].words == found[1].words
     freq_hz, shapes = truth.modes().freq_hz[:3], truth.modes().shapes[:3, [0, 2, 5]]
-    costs = [
-        ar.UpdatingProblem(model, unknowns, ar.ModalSet(freq_hz, shapes, dofs=dofs)).cost([1.0, 1.0])
-        for dofs in ([0, 2, 5], ["1204:Z", "1205+Z", "hub"])
-    ]
-    assert costs[0] == costs[1] > 0.0
+    modes = [ar.ModalSet(freq_hz, shapes, dofs=own) for own in ([0, 2, 5], ["1204:Z", "1205+Z", "hub"])]
+    one, other = (ar.UpdatingProblem(model, unknowns, each).cost([1.0, 1.0]) for each in modes)
+    assert one == other > 0.0
 
 
 def test_damage_and_plans_take_names():
     model = named()
     damaged = model.with_parameters(ar.stiffness_reduction(1), 0.5)
-    one, other = (
-        ar.assess_damage(model, now, baseline=intact, rng=0).probability
-        for intact, now in zip(sets(model, model), sets(model, damaged), strict=True)
-    )
-    assert one == other
-    plans = [
-        ar.plan_test(model, n_sensors=2, candidates=each, excitations=force, std=1e-3)
-        for each, force in (([0, 2, 5], 4), (["1204:Z", "1205:Z", "hub"], "7:X"))
-    ]
+    states = zip(sets(model, model), sets(model, damaged), strict=True)
+    one, other = (ar.assess_damage(model, now, baseline=intact, rng=0) for intact, now in states)
+    assert one.probability == other.probability
+    places, how = (([0, 2, 5], 4), (["1204:Z", "1205:Z", "hub"], "7:X")), {"n_sensors": 2, "std": 1e-3}
+    plans = [ar.plan_test(model, candidates=each, excitations=force, **how) for each, force in places]
     assert plans[0].sensors == plans[1].sensors
     assert {1, 3}.isdisjoint(model._sensor_dofs)
 
@@ -236,9 +226,8 @@ def test_hysteretic_damping_and_masses_below_zero_by_rounding_are_left_out_with_
     m[3, 3] = 0.0
     without = ar.MatrixModel(K, m)
     m[3, 3] = -1e-18
-    with pytest.warns(
-        ar.AntiresWarning, match="mass: negative by rounding at 7:Z, -1e-18: counted as none"
-    ) as said:
+    words = "mass: negative by rounding at 7:Z, -1e-18: counted as none"
+    with pytest.warns(ar.AntiresWarning, match=words) as said:
         model = ar.MatrixModel(K, m, dofs=LABELS)
     assert said[0].filename == __file__
     np.testing.assert_array_equal(model.antiresonances([0, 3], 5)[1], without.antiresonances([0, 3], 5)[1])
@@ -280,7 +269,6 @@ def test_a_column_below_and_above_its_buckling_load(n, load):
     if load < 1.0:
         assert model.modes(n_modes=1).freq_hz[0] < frame.modes(n_modes=1).freq_hz[0]
     else:
-        with pytest.raises(
-            ar.NumericalError, match=f"grow without bound, most at node {n} (v|theta).*beyond buckling"
-        ):
+        said = f"grow without bound, most at node {n} (v|theta).*beyond buckling"
+        with pytest.raises(ar.NumericalError, match=said):
             model.modes(n_modes=3)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 import antires_rs as ar
-from tests.support.tolerances import DIP, LAW, RIGID
+from tests.support.tolerances import DIP, LAW
 
 FEW = settings(
     max_examples=60,
@@ -16,22 +16,12 @@ FEW = settings(
 
 
 @st.composite
-def chains(draw, grounded=None, largest=8):
-    n = draw(st.integers(2, largest))
+def chains(draw):
+    n = draw(st.integers(2, 8))
     masses = draw(st.lists(st.floats(0.5, 2.0), min_size=n, max_size=n))
     springs = draw(st.lists(st.floats(5e3, 2e4), min_size=n - 1, max_size=n - 1))
-    held = draw(st.booleans()) if grounded is None else grounded
-    ground = draw(st.floats(5e3, 2e4)) if held else 0.0
+    ground = draw(st.floats(5e3, 2e4)) if draw(st.booleans()) else 0.0
     return ar.MassSpringChain(masses, springs, ground_first_n_per_m=ground)
-
-
-@FEW
-@given(chains(grounded=False))
-def test_a_free_chain_has_one_rigid_body_mode_at_zero(model):
-    modes = model.modes()
-    assert modes.freq_hz[0] == 0.0
-    assert modes.freq_hz[1] > 0.0
-    np.testing.assert_allclose(modes.shapes[0] / modes.shapes[0, 0], 1.0, rtol=RIGID)
 
 
 @FEW
@@ -57,24 +47,6 @@ def test_antiresonances_are_zeros_of_the_undamped_frf(model, i, k):
             continue  # too near a pole to tell
         aside = model.frf(i, k, zero * np.array([0.99, 1.0, 1.01]), damping_ratio=0.0, kind="receptance")
         assert abs(aside[1]) <= DIP * min(abs(aside[0]), abs(aside[2]))
-
-
-@FEW
-@given(chains(), st.integers(0, 7), st.integers(0, 7))
-def test_reciprocity(model, i, k):
-    i, k = i % model.n_dof, k % model.n_dof
-    np.testing.assert_allclose(model.antiresonances(i, k), model.antiresonances(k, i), rtol=LAW)
-    freq = np.array([0.0, 3.0, 17.0])
-    there, back = (model.frf(a, b, freq, damping_ratio=0.02) for a, b in ((i, k), (k, i)))
-    np.testing.assert_allclose(there, back, rtol=LAW, atol=LAW * np.abs(there).max())
-
-
-@FEW
-@given(chains(), st.floats(0.1, 10.0))
-def test_scaling_stiffness_and_mass_together_changes_no_frequency(model, scale):
-    scaled = ar.MatrixModel(scale * model.stiffness(), scale * model.mass())
-    np.testing.assert_allclose(scaled.antiresonances(0, 0), model.antiresonances(0, 0), rtol=LAW)
-    np.testing.assert_allclose(scaled.modes().freq_hz[1:], model.modes().freq_hz[1:], rtol=LAW)
 
 
 # ---- the objective ----------------------------------------------------------------------------------

@@ -51,14 +51,6 @@ def test_noise_is_white_and_a_fraction_of_each_channels_rms():
     np.testing.assert_array_equal(noisy.force, clean.force)
 
 
-def test_a_record_is_not_periodic():
-    made = record(duration_s=32.0)
-    whole = np.fft.rfft(made.responses[0]) / np.fft.rfft(made.force)
-    exact = MODEL.frf(0, 0, np.fft.rfftfreq(made.force.size, 1 / FS_HZ), damping_ratio=0.02)
-    apart = np.abs(whole - exact)[1:-1] / np.abs(exact[1:-1])
-    assert np.median(apart) > 1e-3
-
-
 def test_h1_of_a_long_record_is_the_models_frf():
     """The peaks would tell a wrong damping; the error allowed is the statistical one of Welch's H1.
 
@@ -77,7 +69,7 @@ def test_h1_of_a_long_record_is_the_models_frf():
     for resonance in MODEL.modes().freq_hz:
         line = np.argmin(np.abs(freq[band] - resonance))
         lines = slice(line - 3, line + 4)
-        ratio = np.abs(h1[:, band][:, lines] / exact[:, lines])
+        ratio = h1[:, band][:, lines] / exact[:, lines]  # with its phase: force and response begin together
         assert np.abs(ratio.mean() - 1.0) < 0.01 + H1_SIGMAS / np.sqrt(2 * averages * 7)
 
 

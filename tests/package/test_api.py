@@ -117,32 +117,22 @@ def test_a_broken_installation_is_not_taken_for_an_unknown_name():
     assert missing == ["numpy", "numpy"]
 
 
+ALL = f"from antires_rs import *; import antires_rs as ar\nfor name in {MODULES!r}: getattr(ar, name)"
+ASKED = "from antires_rs.app.main import main\ntry: main(['{}'])\nexcept SystemExit: pass"
+
+
 @pytest.mark.parametrize(
     ("code", "more"),
-    [
-        ("import antires_rs", {"numpy", "scipy"}),
-        (
-            f"from antires_rs import *; import antires_rs as ar\nfor name in {MODULES!r}: getattr(ar, name)",
-            {"scipy"},
-        ),
-        *(
-            (
-                f"from antires_rs.app.main import main\ntry: main(['{argument}'])\nexcept SystemExit: pass",
-                {"numpy"},
-            )
-            for argument in ("--help", "--version")
-        ),
-    ],
+    [("import antires_rs", {"numpy"}), (ALL, set()), (ASKED.format("--help"), {"numpy"})]
+    + [(ASKED.format("--version"), {"numpy"})],
 )
 def test_importing_and_asking_for_help_cost_nothing(code, more):
     loaded = in_a_new_process(f"{code}\nimport sys; print()\nprint(*sys.modules)").splitlines()[-1].split()
     assert {name.split(".")[0] for name in loaded} & (EXTRAS | more | {"scipy"}) == set()
     assert "multiprocessing.pool" not in loaded
     if code == "import antires_rs":
-        assert {name for name in loaded if name.startswith("antires_rs")} == {
-            "antires_rs",
-            "antires_rs._core",
-        }
+        own = {name for name in loaded if name.startswith("antires_rs")}
+        assert own == {"antires_rs", "antires_rs._core"}
 
 
 def test_threads_may_ask_at_once():

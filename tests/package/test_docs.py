@@ -94,9 +94,8 @@ def test_the_first_hour_with_a_hammer_runs_as_printed(tmp_path, monkeypatch, cap
         shutil.copy(file, tmp_path)
     names = {}
     warnings.simplefilter("ignore", ar.AntiresWarning)
-    for language, block in re.findall(
-        r"```(python|console)\n(.*?)```", (DOCS / "hammer.md").read_text("utf-8"), re.DOTALL
-    ):
+    text = (DOCS / "hammer.md").read_text("utf-8")
+    for language, block in re.findall(r"```(python|console)\n(.*?)```", text, re.DOTALL):
         if language == "python":
             exec(compile(block, "hammer.md", "exec"), names)
         for line in block.splitlines() if language == "console" else ():

@@ -2,12 +2,11 @@
 
 import importlib.util
 import runpy
-import shutil
 
 import numpy as np
 import pytest
 
-from tests.support.campaign import campaign, some_of
+from tests.support.campaign import some_of
 from tests.support.measured_data import DATA
 from tests.support.paths import EXAMPLES, GALLERY
 
@@ -136,45 +135,3 @@ def test_six_damage_reports():
     assert said["small"].startswith("It cannot be told whether there is damage")
     for element in (2, 3):
         assert 0.45 < first["alike"].probability[element] < 0.55
-
-
-@campaign
-def test_from_file_to_report(tmp_path, capsys):
-    report = load("from_file_to_report").main(tmp_path / "study")
-    text = report.read_text(encoding="utf-8")
-    assert "Spring 4 has lost 55." in text
-    assert "antires damage damage.toml" in text
-    assert "test.uff  " in text
-    assert report.stat().st_size < 3_000_000
-    out, err = capsys.readouterr()
-    assert "stiffness loss of spring 4" in out
-    assert err == ""
-    assert len(list((report.parent / "pictures").glob("*.png"))) == 13
-
-
-def finds(name, group, loss, tmp_path, monkeypatch, capsys):
-    """A worked case of a code names the damaged group, to 3 points or its interval, and prints the time."""
-    monkeypatch.syspath_prepend(str(EXAMPLES))
-    case = load(name)
-    result = load("records_of_codes").study(case, tmp_path, {group: 1.0 - loss})
-    element = result.problem.model.element(group)
-    low, high = result.interval[element]
-    assert result.damaged[:1] == [element]
-    assert abs(result.severity[element] - loss) < 0.03 or low <= loss <= high
-    assert "s from the input of the code to" in capsys.readouterr().out
-    assert (tmp_path / "report.html").is_file()
-
-
-@campaign
-@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not on PATH")
-@pytest.mark.parametrize(
-    ("name", "group", "loss"), [("bolted_bracket", "W2", 0.4), ("ribbed_plate", "R2", 0.3)]
-)
-def test_cases_of_calculix(name, group, loss, tmp_path, monkeypatch, capsys):
-    finds(name, group, loss, tmp_path, monkeypatch, capsys)
-
-
-@campaign
-@pytest.mark.skipif(importlib.util.find_spec("openseespy") is None, reason="openseespy is not installed")
-def test_six_storey_frame(tmp_path, monkeypatch, capsys):
-    finds("six_storey_frame", "east_2", 0.3, tmp_path, monkeypatch, capsys)

@@ -11,9 +11,8 @@ ROOT = Path(antires_rs.__file__).parent
 #: Calls that say something, and which of their arguments are said.
 SAYING = {"reject": slice(0, 4), "unsuitable": slice(1, 4), "warn": slice(1, 2), "missing_part": slice(1, 3)}
 SAYING |= {"bounded": slice(2, 3), "refuse": slice(0, 4), "Unfit": slice(0, 1), "NothingFound": slice(0, 4)}
-SAYING |= dict.fromkeys(
-    ("UnsuitableDataError", "InvalidInputError", "Refused", "MissingDependencyError"), slice(0, 4)
-)
+OF_ERRORS = "UnsuitableDataError", "InvalidInputError", "Refused", "MissingDependencyError"
+SAYING |= dict.fromkeys(OF_ERRORS, slice(0, 4))
 
 
 def said(node, known):
@@ -60,10 +59,8 @@ def messages_of(tree):
             given = [node for node in ast.walk(function) if isinstance(node, ast.Assign | ast.AugAssign)]
             for node in sorted(calls, key=lambda call: call.lineno):
                 if (name := getattr(node.func, "id", "")) in SAYING:
-                    before = sorted(
-                        (each for each in given if each.lineno <= node.lineno), key=lambda g: g.lineno
-                    )
-                    known = constants | assigned(before)
+                    before = (each for each in given if each.lineno <= node.lineno)
+                    known = constants | assigned(sorted(before, key=lambda each: each.lineno))
                     parts = [said(each, dict(known)) for each in node.args[SAYING[name]]]
                     yield function.name, name, " / ".join(parts)
 

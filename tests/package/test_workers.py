@@ -3,6 +3,7 @@
 import itertools
 import multiprocessing
 import os
+import re
 import subprocess
 import sys
 import threading
@@ -178,11 +179,9 @@ distributed = pytest.importorskip("distributed")
 
 
 @pytest.mark.parametrize(
-    ("scheduler", "said"), [("restarted", "all right"), ("gone", "a Dask client that has lost its scheduler")]
+    ("scheduler", "said"), [("restarted", "all right"), ("gone", "Dask client .* call again")]
 )
 def test_a_run_goes_on_with_a_scheduler_that_comes_back_and_says_so_where_none_does(scheduler, said):
     command = [sys.executable, "-m", "tests.support.dask_scheduler", scheduler]
     found = subprocess.run(command, capture_output=True, text=True, timeout=150, check=True)
-    assert said in found.stdout, found.stdout + found.stderr
-    if scheduler == "gone":
-        assert "call again" in found.stdout
+    assert re.search(said, found.stdout), found.stdout + found.stderr

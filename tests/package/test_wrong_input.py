@@ -16,6 +16,7 @@ import antires_rs as ar
 from antires_rs import exceptions
 from antires_rs.app.job import LEAVE_OUT, read_job
 from antires_rs.app.reading import spelled
+from tests.support.snapshots import replay
 
 NAN, INF = float("nan"), float("inf")
 CASE = ar.cases.chain8()
@@ -26,7 +27,7 @@ FACTORS = ar.stiffness_factor(range(7), bounds=(0.9, 1.1))
 PROBLEM = ar.UpdatingProblem(MODEL, FACTORS, SET)
 EYE = np.eye(2)
 SIMULATE = {"excitation": 0, "fs_hz": 64.0, "duration_s": 4.0, "damping_ratio": 0.01, "rng": 0}
-BOX = [(0.0, 1.0)] * 2
+BOX, SPARSE = [(0.0, 1.0)] * 2, scipy.sparse.csc_array(NAN * EYE)
 
 
 def refused(call):
@@ -58,14 +59,6 @@ frf = later(MODEL.frf, damping_ratio=0.01)
 identify = later(ar.identify_antiresonances, excitation=0, band_hz=(1.0, 40.0))
 
 
-def all_of(argument, call, *cases):
-    return [(argument, call(*case)) for case in cases]
-
-
-def options(call, **named):
-    return [(name, call(**{name: value})) for name, values in named.items() for value in values]
-
-
 def of_set(freq_hz, force=0):
     return problem(MODEL, FACTORS, ar.AntiresonanceSet(force, freq_hz))
 
@@ -76,115 +69,23 @@ penalty, modal, recording, many = map(
     later, (ar.DamagePenalty, ar.ModalSet, ar.Recording, PROBLEM.evaluate_many)
 )
 modes, cost, chain8 = map(later, (MODEL.modes, PROBLEM.cost, ar.cases.chain8))
-WRONG = [  #: What is wrong: (argument that the message must name first, the call).
-    *all_of("masses_kg", chain, ([], []), ([1.0, NAN], [1.0]), ([1.0, -2.0], [1.0]), ([1.0, 0.0], [1.0])),
-    *all_of("masses_kg", chain, ([1.0, 1j], [1.0]), (["a", "b"], [1.0]), ([TWO], [1.0])),
-    *all_of("springs_n_per_m", chain, (TWO, TWO), (TWO, [INF]), (TWO, [-1.0])),
-    ("ground_first_n_per_m", chain([1.0], [], ground_first_n_per_m=-1.0)),
-    ("ground_last_n_per_m", chain([1.0], [], ground_last_n_per_m=NAN)),
-    *all_of("stiffness", matrices, (np.ones((2, 3)), EYE), (np.ones((0, 0)), EYE), (np.ones(4), EYE)),
-    *all_of("stiffness", matrices, (NAN * EYE, EYE), (scipy.sparse.csc_array(NAN * EYE), EYE)),
-    *all_of("stiffness", matrices, ([TWO, [0.0, 1.0]], EYE)),
-    *all_of("mass", matrices, (EYE, np.eye(3)), (EYE, -EYE)),
-    ("stiffness_terms[1]", matrices(EYE, EYE, stiffness_terms=[EYE, np.eye(3)])),
-    ("mass_terms[0]", matrices(EYE, EYE, mass_terms=[[[0.0, 1.0], [0.0, 0.0]]])),
-    *options(modes, n_modes=[0], f_max_hz=[NAN]),
-    *all_of("excitation", zeros, (0, 8), (0, -1), (0, 0.5)),
-    *all_of("response", zeros, (8, 0), ([], 0), ("0", 0), (2**70, 0)),
-    ("response[1]", zeros([0, 9], 0)),
-    ("response[0]", zeros([[0], [1, 2]], 0)),
-    ("method", zeros(0, 0, method="qz")),
-    ("f_max_hz", zeros(0, 0, f_max_hz=0.0)),
-    *all_of("freq_hz", frf, (0, 0, [NAN]), (0, 0, [-1.0]), (0, 0, [])),
-    ("kind", frf(0, 0, [1.0], kind="fast")),
-    ("damping_ratio", frf(0, 0, [1.0], damping_ratio=[0.1] * 3)),
-    ("damping_ratio", frf(0, 0, [1.0], damping_ratio=-0.01)),
-    *options(simulate, fs_hz=[0.0], duration_s=[-1.0, 1e-3]),
-    ("duration_s", simulate(duration_s=1e300, fs_hz=1e300)),
-    *options(simulate, noise=[-0.1], band_hz=[(1.0, 40.0), (20.0, 10.0), (1.01, 1.0101), (1.0,)]),
-    *options(simulate, damping_ratio=[NAN], responses=[[]], rng=["seed", -1]),
-    ("bounds", mass_factor(0, bounds=(1.1, 0.9))),
-    ("bounds[0]", mass_factor(0, bounds=(0.0, 0.9))),
-    ("bounds[0]", mass_factor(0, bounds=((1.0,), (1.0, 2.0)))),
-    ("bounds[1]", reduction(0, bounds=(0.0, 1.5))),
-    ("bounds[1]", lambda: ar.stiffness_factor(0, bounds=(0.9, NAN))),
-    ("bounds", lambda: ar.stiffness_factor(0, bounds=(0.9, 1.0, 1.1))),
-    *all_of("elements", reduction, ([],), (-1,), ([1, 1],)),
-    ("elements[0]", reduction([[0], [1, 2]])),
-    ("rng", chain8(perturbation=0.1, rng="seed")),
-    ("model", problem(EYE, FACTORS, SET)),
-    ("measured", problem(MODEL, FACTORS, {0: [1.0]})),
-    *all_of("parameters", problem, *((MODEL, wrong, SET) for wrong in ([], 3, [*FACTORS, FACTORS[0]]))),
-    *all_of("parameters[0]", problem, (MODEL, [FACTORS], SET)),
-    *all_of("parameters[0]", problem, *((MODEL, ar.stiffness_reduction(e), SET) for e in (7, 9))),
-    *all_of("measured dof", of_set, ({8: [1.0]},), ({"a": [1.0]},)),
-    *all_of("excitation", of_set, ({0: [1.0]}, 9)),
-    *all_of("measured", of_set, ({0: []},)),
-    ("misfit", problem(MODEL, FACTORS, SET, misfit="median")),
-    ("penalty", problem(MODEL, FACTORS, SET, penalty=0.1)),
-    ("gamma2", problem(MODEL, FACTORS, SET, penalty=(0.1, NAN))),
-    ("gamma1", penalty(-0.1)),
-    ("snap", penalty(snap=0.1)),
-    *all_of("x", cost, ([1.0],), ([NAN] * 7,)),
-    *all_of("candidates", many, ([1.0] * 7,), (np.ones((3, 6)),), (np.ones((0, 7)),)),
-    ("workers", many(np.ones((1, 7)), workers=0)),
-    ("problem", update(MODEL)),
-    ("optimizer", update(PROBLEM, optimizer="ga")),
-    ("rng", update(PROBLEM, rng=0.5)),
-    ("x0[0][0]", update(PROBLEM, x0=[2.0] * 7)),
-    ("model", damage(EYE, SET)),
-    ("elements", damage(ar.MatrixModel(EYE, EYE), SET)),
-    ("elements[0]", damage(MODEL, SET, elements=[[0], [1, 2]])),
-    ("elements[0]", damage(MODEL, SET, elements=[20])),
-    ("gamma1", damage(MODEL, SET, search=ar.SearchOptions(gamma1=INF))),
-    ("model", plan(EYE)),
-    *all_of("elements", plan, (MODEL, [20]), (MODEL, [1, 1])),
-    *options(plan_of, n_sensors=[1, 9], candidates=[[0, 8], [0, 0]], excitations=[8], band_hz=[(0.0, 0.1)]),
-    *options(plan_of, duration_s=[0.0], criterion=["best"]),
-    ("model", curves(EYE)),
-    ("band_hz", curves(MODEL, band_hz=(0, 0.1))),
-    ("sensors", curves(MODEL, sensors=[0])),
-    ("model_error", curves(MODEL, model_error=0.0)),
-    ("n_tests", curves(MODEL, method="simulated", n_tests=9)),
-    ("severities", curves(MODEL, severities=[0.2, 0.1])),
-    ("prior", curves(MODEL, prior=0.5)),
-    ("bounds[1]", minimize([(0, 1), (2, 1)])),
-    ("bounds[0]", minimize([(0, INF)])),
-    *options(minimize, bounds=[[1.0], [], [("a", "b")], [(0, 1), (0,)]]),
-    ("x0[0][1]", minimize(x0=[0.5, 2.0])),
-    ("x0", minimize(x0=[0.5] * 3)),
-    ("fun", minimize(fun=3)),
-    ("workers", minimize(vectorized=True, workers=2)),
-    ("workers", minimize(workers=0)),
-    ("option", option(ilands=4)),
-    *options(option, islands=[0, 2.5, 2**70], population=[1], crossover_probability=[1.5]),
-    *options(option, mutation_probability=[NAN], crossovers=[["two-point"], [], 5], agreement=["costs"]),
-    *options(option, max_seconds=[-1.0], max_evaluations=[0]),
-    ("freq_hz", modal([2.0, 1.0], np.ones((2, 2)))),
-    ("shapes", modal([1.0], np.ones((2, 2)))),
-    ("freq_hz[0]", measured(0, {0: [0.0]})),
-    ("responses", recording([[1.0, NAN]], 10.0)),
-    ("fs_hz", recording(np.ones((1, 10)), 0.0)),
-    ("band_hz", identify(RECORD, band_hz=(10.0, 60.0))),
-    ("route", identify(RECORD, route="fastest")),
-    ("dofs", identify(RECORD, dofs=[7])),
-    ("perturbation", chain8(perturbation=0.9)),
-    ("level", lambda: CASE.experiment(level=2)),
-    ("element", lambda: CASE.search_problem(7, 0.5)),
-]
 
 
-@pytest.mark.parametrize(("argument", "call"), WRONG)
-def test_a_wrong_call_says_what_was_got_and_what_is_wanted(argument, call):
-    raised = refused(call)
-    assert isinstance(raised, ar.InvalidInputError)
-    assert re.match(rf"{re.escape(argument)}(?!\w)", raised.argument), raised.argument
-    for error in (raised, pickle.loads(pickle.dumps(raised)), copy.copy(raised), copy.deepcopy(raised)):
-        assert type(error) is type(raised)
-        assert (error.path, error.argument, error.got) == (raised.path, raised.argument, raised.got)
-        assert all((error.argument, error.got, error.wanted, error.remedy)), error.args
-        assert str(error) == f"{error.argument}: got {error.got}; wanted {error.wanted}. {error.remedy}"
-        assert error.argument.startswith(error.path[0])
+def test_a_wrong_call_says_what_was_got_and_what_is_wanted():
+    """Each line of the file is a call and what is said of it."""
+
+    def said(call):
+        raised = refused(eval(call))
+        assert isinstance(raised, ar.InvalidInputError)
+        for error in (raised, pickle.loads(pickle.dumps(raised)), copy.copy(raised), copy.deepcopy(raised)):
+            assert type(error) is type(raised)
+            assert (error.path, error.argument, error.got) == (raised.path, raised.argument, raised.got)
+            assert all((error.argument, error.got, error.wanted, error.remedy)), error.args
+            assert str(error) == f"{error.argument}: got {error.got}; wanted {error.wanted}. {error.remedy}"
+            assert error.argument.startswith(error.path[0])
+        return " ".join(str(raised).split())
+
+    replay(Path(__file__).with_name("wrong_input.txt"), said)
 
 
 def beam(tube, **options):
@@ -213,14 +114,10 @@ def test_an_error_has_its_class_and_its_fields(call, kind, path, got):
     assert (type(error), error.path, error.got) == (kind, path, got)
 
 
-def test_a_failed_computation_says_which_and_how():
+def test_a_failed_computation_says_which_and_how_and_a_part_of_an_argument_stays_one_after_pickle():
     error = refused(ar.MatrixModel(np.diag([1.0, 0.0]), np.diag([1.0, 0.0])).modes)
     assert type(error) is ar.NumericalError
-    assert str(error) == f"{error.what} failed: {error.detail}"
-    assert str(pickle.loads(pickle.dumps(error))) == str(error)
-
-
-def test_a_part_of_an_argument_stays_one_after_pickle():
+    assert str(pickle.loads(pickle.dumps(error))) == str(error) == f"{error.what} failed: {error.detail}"
     part = pickle.loads(pickle.dumps(exceptions.Argument("sections").item("pipe").attribute("thickness_m")))
     assert part == "sections['pipe'].thickness_m"
     assert part.path == ("sections", "pipe", "thickness_m")
@@ -293,18 +190,16 @@ def test_a_job_of_thousands(tmp_path, text):
 
 @pytest.mark.parametrize("scale", [1e160, 1e-160])
 def test_values_whose_squares_leave_floating_point(scale):
-    with pytest.raises(ar.InvalidInputError, match="responses: got values up to"):
-        ar.Recording(scale * NOISE, 256.0)
-    with pytest.raises(ar.InvalidInputError, match="force: got values up to"):
-        ar.Recording(NOISE, 256.0, force=scale * NOISE[0])
-    with pytest.raises(ar.InvalidInputError, match="values: got values up to"):
-        ar.FrequencyResponse(np.arange(64.0), scale * (NOISE + 1j))
+    for said, call in (
+        ("responses: got values up to", recording(scale * NOISE, 256.0)),
+        ("force: got values up to", recording(NOISE, 256.0, force=scale * NOISE[0])),
+        ("values: got values up to", lambda: ar.FrequencyResponse(np.arange(64.0), scale * (NOISE + 1j))),
+    ):
+        assert str(refused(call)).startswith(said)
 
 
 def test_a_masked_array_is_refused_and_one_without_masked_values_read():
-    masked = np.ma.masked_greater(NOISE, 1.0)
-    with pytest.raises(ar.InvalidInputError, match="values masked"):
-        ar.Recording(masked, 256.0)
+    assert "values masked" in str(refused(recording(np.ma.masked_greater(NOISE, 1.0), 256.0)))
     assert ar.Recording(np.ma.masked_invalid(NOISE), 256.0).n_samples == 64
 
 
@@ -314,13 +209,11 @@ def test_a_callback_may_return_any_truth_value(said, stops):
     box = [(-1, 1)] * 2
     found = search.minimize(lambda x: float(x @ x), box, rng=0, callback=lambda state: said)
     assert (found.status == "callback") is stops
-    with pytest.raises(ar.InvalidInputError, match="callback"):
-        search.minimize(lambda x: float(x @ x), box, rng=0, callback=lambda state: np.zeros(3))
+    assert refused(minimize(callback=lambda state: np.zeros(3))).argument == "callback"
 
 
 def test_a_device_is_not_replaced_by_a_file(tmp_path):
     pipe = tmp_path / "pipe.npz"
     os.mkfifo(pipe)
-    with pytest.raises(ar.InvalidInputError, match="plain file"):
-        ar.write_npz(pipe, ar.Recording(NOISE, 256.0))
+    assert "plain file" in str(refused(lambda: ar.write_npz(pipe, ar.Recording(NOISE, 256.0))))
     assert pipe.is_fifo()

@@ -11,14 +11,13 @@ from tests.support.campaign import some_of
 from tests.support.checked_records import BAND, FS, MASS, STIFFNESS, changed, check, data, record, seen
 from tests.support.refusals import assert_refused, each_of
 
-
 # ---- no false alarm ----
+GOOD = product((0.0, 0.01, 0.1), (0.005, 0.02), (60.0, 200.0))
+
+
 @pytest.mark.parametrize(
     ("noise", "damping_ratio", "duration_s"),
-    some_of(
-        product((0.0, 0.01, 0.1), (0.005, 0.02), (60.0, 200.0)),
-        [(0.1, 0.005, 60.0), (0.0, 0.02, 60.0), (0.01, 0.005, 200.0)],
-    ),
+    some_of(GOOD, [(0.1, 0.005, 60.0), (0.0, 0.02, 60.0), (0.01, 0.005, 200.0)]),
 )
 def test_good_records_pass(noise, damping_ratio, duration_s):
     responses, force = data(noise, 31, duration_s, damping_ratio=damping_ratio)
@@ -40,11 +39,11 @@ def test_scale_sign_order_offset_and_digits_of_channels_do_not_matter(good):
 
 
 # ---- one force ----
+TWO = product((0.0, 0.01, 0.05), (0.1, 0.3, 1.0), (3, 7))
+
+
 @pytest.mark.parametrize(
-    ("noise", "relative", "other"),
-    some_of(
-        product((0.0, 0.01, 0.05), (0.1, 0.3, 1.0), (3, 7)), [(0.05, 0.1, 3), (0.01, 0.3, 7), (0.0, 1.0, 3)]
-    ),
+    ("noise", "relative", "other"), some_of(TWO, [(0.05, 0.1, 3), (0.01, 0.3, 7), (0.0, 1.0, 3)])
 )
 def test_a_second_force_is_named(noise, relative, other):
     first, second = data(noise, 43)[0], data(0.0, 44, excitation=other)[0]

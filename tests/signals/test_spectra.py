@@ -36,10 +36,11 @@ def noisy_pair(noise_in, noise_out):
     rng = np.random.default_rng(5)
     x = rng.standard_normal(200_000)
     measured = x + noise_in * rng.standard_normal(x.size)
-    y = 3.0 * x + 3.0 * noise_out * rng.standard_normal(x.size)
+    y = 3.0 * np.roll(x, 1) + 3.0 * noise_out * rng.standard_normal(x.size)  # one sample later
     rec = ar.Recording([y, measured], 100.0, force=measured)
-    found = {e: ar.frf(rec, nperseg=256, estimator=e).values[0, 2:-2] for e in ("h1", "h2", "hv")}
-    return {e: np.abs(values).mean() for e, values in found.items()}
+    found = {e: ar.frf(rec, nperseg=256, estimator=e) for e in ("h1", "h2", "hv")}
+    late = np.exp(-0.02j * np.pi * found["h1"].freq_hz[2:-2])
+    return {e: np.mean(each.values[0, 2:-2] / late).real for e, each in found.items()}
 
 
 def test_estimators_have_their_textbook_bias():
@@ -115,24 +116,6 @@ def test_predicted_deviations_are_the_observed_ones(estimate, estimator):
     # 60 records of 58 lines, neighbours correlated: the observed deviation is good to about 2 %.
     predicted, observed = deviations(partial(estimate, nperseg=128, estimator=estimator))
     np.testing.assert_allclose(predicted, observed, rtol=0.04)
-
-
-def test_predicted_deviations_hold_line_by_line_on_a_structure():
-    # Leakage, noise and strong resonances together. 20 records tell a deviation to 16 %, its median over
-    # 1,000 lines far better.
-    made = [random_record(*chain8_matrices(), noise=0.01, seed=n, duration_s=64.0) for n in range(130, 150)]
-    for estimator, reference in (("rank1", 0), ("rank1", 4), ("h1", 4)):
-        predicted, values = [], []
-        for responses, _ in made:
-            rec = ar.Recording(responses, 512.0)
-            t = ar.transmissibility(rec, reference, nperseg=2048, estimator=estimator)
-            inside = (t.freq_hz > 3) & (t.freq_hz < 130)
-            predicted.append(np.delete(t.std[:, inside], reference, axis=0))
-            values.append(np.delete(t.values[:, inside], reference, axis=0))
-            assert np.all(t.std[reference] == 0.0)
-        observed = np.sqrt(0.5 * np.sum(np.abs(values - np.mean(values, axis=0)) ** 2, axis=0) / 19)
-        ratio = np.median(predicted, axis=0) / observed
-        np.testing.assert_allclose(np.median(ratio, axis=1), 1.0, atol=0.1)
 
 
 def test_a_single_average_has_no_deviation_and_the_sum_is_equation_10_as_printed():

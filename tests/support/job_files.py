@@ -27,20 +27,9 @@ report = false
 pictures = false
 """
 
-UPDATE = DAMAGE.replace(
-    "[damage]\n",
-    """\
-[[parameters]]
-kind = "mass_factor"
-terms = "all"
-bounds = [0.9, 1.1]
-
-[[parameters]]
-kind = "stiffness_factor"
-elements = "all"
-bounds = [0.9, 1.1]
-""",
-)
+FACTORS = '[[parameters]]\nkind = "mass_factor"\nterms = "all"\nbounds = [0.9, 1.1]\n\n'
+FACTORS += FACTORS[:-1].replace("mass", "stiffness").replace("terms", "elements")
+UPDATE = DAMAGE.replace("[damage]\n", FACTORS)
 
 
 #: Of tests in records, with a table beside them.

@@ -42,13 +42,8 @@ def test_a_transmissibility_sees_what_a_node_hides_but_not_what_all_channels_sha
 
 
 def test_an_intact_symmetric_chain_is_found_undamaged_in_each_kind():
-    both = CHAIN.antiresonances(range(7), 0)
-    for sees, zeros in (
-        ("transmissibility", zeros_of(CHAIN, 0)),
-        ("frf", dict(enumerate(both))),
-        (None, zeros_of(CHAIN, 0)),
-        (None, dict(enumerate(both))),
-    ):
+    every, plain = zeros_of(CHAIN, 0), dict(enumerate(CHAIN.antiresonances(range(7), 0)))
+    for sees, zeros in (("transmissibility", every), ("frf", plain), (None, every), (None, plain)):
         measured = ar.AntiresonanceSet(0, zeros, sees=sees)
         result = ar.assess_damage(CHAIN, measured, search=ar.SearchOptions(gamma1=0.1, gamma2=0.1), rng=0)
         assert (result.damaged, result.table.largest_before_percent) == ([], 0.0)
@@ -79,12 +74,8 @@ def test_the_objective_does_not_jump_where_the_symmetry_breaks():
 def test_halves_of_complex_zeros_are_left_out_and_named():
     case = next(c for c in cases() if c.name == "10 masses, 2 held")
     model = case.build(0.003)
-    dof, freq, part = next(  # At sensor 2 of this ring two antiresonances have met.
-        (d, f[0], p[0])
-        for d in case.sensors
-        for f, p in [complex_zeros(model, d, case.excitation, 78.0)]
-        if f.size
-    )
+    met = ((d, *complex_zeros(model, d, case.excitation, 78.0)) for d in case.sensors)
+    dof, (freq, *_), (part, *_) = next(one for one in met if one[1].size)  # two antiresonances of this ring
     zeros = dict(zip(case.sensors, model.antiresonances(case.sensors, case.excitation), strict=True))
     damping = {d: np.full(f.size, 0.01) for d, f in zeros.items()}
     zeros[dof] = np.append(zeros[dof], freq)

@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from tests.support.campaign import some_of
 from tests.support.refusals import assert_refused, refused
-from tests.support.tolerances import COST, DETECTABLE_PERCENT, EXACT_SEVERITY, NOISY_SEVERITY, UPDATED_PERCENT
+from tests.support.tolerances import COST, DETECTABLE_PERCENT, EXACT_SEVERITY, UPDATED_PERCENT
 from tests.updating.test_objective import disturbed
 
 CASE = ar.cases.chain8()
@@ -151,27 +150,13 @@ def test_damage_is_found_where_it_is_and_nowhere_else(damage):
     assert chosen.damaged == [4]
 
 
-@pytest.mark.parametrize(
-    ("dofs", "error", "seed"), [(range(8), 0.0, 0), ([0, 3, 6], 0.01, 1), ([2, 5], 0.01, 2)]
-)
+@pytest.mark.parametrize(("dofs", "error", "seed"), [(range(8), 0.0, 0), ([2, 5], 0.01, 2)])
 def test_damage_is_found_from_modes(dofs, error, seed):
     measured = disturbed(CASE.exact_modes(1), list(dofs), error, np.random.default_rng(seed))
     result = ar.assess_damage(CASE.model, measured, rng=seed)
     assert result.success
     assert result.damaged == [DAMAGED]
     assert result.severity[DAMAGED] == pytest.approx(SEVERITY, abs=0.01 if error else EXACT_SEVERITY)
-
-
-@pytest.mark.parametrize("seed", some_of([0, 1]))
-def test_damage_is_located_and_sized_from_a_noisy_record(seed):
-    record = CASE.experiment(level=1, noise=0.01, rng=seed)
-    zeros = ar.identify_antiresonances(record, excitation=CASE.excitation, band_hz=CASE.band_hz)
-    modes = ar.identify_modes(record, band_hz=CASE.band_hz, route="responses")
-    for measured in (zeros, modes):
-        result = ar.assess_damage(CASE.model, measured, rng=seed)
-        assert result.success
-        assert result.damaged == [DAMAGED]
-        assert result.severity[DAMAGED] == pytest.approx(SEVERITY, abs=NOISY_SEVERITY)
 
 
 def test_no_damage_comes_out_as_none_and_damage_where_no_candidate_is_with_a_doubt():
@@ -376,9 +361,8 @@ def test_wrong_arguments_are_refused(argument, given, count):
 def test_modes_are_paired_by_number_and_a_saved_set_is_the_same(tmp_path):
     case = ar.cases.chain8(perturbation=0.05, rng=3)
     modes = case.exact_modes()
-    given = ar.ModalSet(
-        modes.freq_hz[[0, 2]], 1j * modes.shapes[[0, 2]], modes.dofs, [0.01, 0.02], std_hz=[0.1, 0.0]
-    )
+    some = modes.freq_hz[[0, 2]], 1j * modes.shapes[[0, 2]], modes.dofs, [0.01, 0.02]
+    given = ar.ModalSet(*some, std_hz=[0.1, 0.0])
     result = ar.update(case.updating_problem(), rng=0, optimizer=ar.IslandGA(max_evaluations=2000))
     table = result.modes_beside(given)
     assert table.before_mode.tolist() == table.after_mode.tolist() == [1, 3]  # 0 is the rigid body

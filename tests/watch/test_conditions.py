@@ -30,12 +30,8 @@ def season():
 
 def test_temperature_is_taken_off_and_what_does_not_matter_is_not_used(season):
     sets, measured = season
-    conditions = {
-        "temperature_c": measured,
-        "wind": np.random.default_rng(32).random(200),
-        "hour": np.arange(200.0),
-        "still": 0 * measured,
-    }
+    conditions = {"temperature_c": measured, "wind": np.random.default_rng(32).random(200)}
+    conditions |= {"hour": np.arange(200.0), "still": 0 * measured}
     watched = ar.monitor(sets, baseline=80, conditions=conditions)
     assert watched.used[0] == "temperature_c"
     assert {"hour", "still"}.isdisjoint(watched.used)

@@ -98,12 +98,8 @@ def test_what_no_test_can_follow_is_refused_once(tests, near, words):
 
 def many(count, rng, rates):
     places = 10.0 * np.arange(1, len(rates) + 1)
-    return [
-        ar.AntiresonanceSet(
-            0, {0: (places * (1 + 1e-4 * rng.standard_normal(places.size)))[rng.random(len(rates)) < rates]}
-        )
-        for _ in range(count)
-    ]
+    scattered = (places * (1 + 1e-4 * rng.standard_normal(places.size)) for _ in range(count))
+    return [ar.AntiresonanceSet(0, {0: hz[rng.random(len(rates)) < rates]}) for hz in scattered]
 
 
 def test_what_stays_away_alarms_in_the_end():

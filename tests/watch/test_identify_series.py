@@ -4,6 +4,7 @@ import functools
 import os
 import signal
 import tracemalloc
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +13,9 @@ import antires_rs as ar
 from antires_rs.watch import sources as one_test
 from reference.small_records import OPTIONS, dead, record
 from tests.support.campaign import some_of
+from tests.support.refusals import refused
 from tests.support.same_sets import assert_same_set
+from tests.support.snapshots import refusal, replay
 
 
 @pytest.fixture
@@ -167,28 +170,23 @@ def test_any_workers_give_the_same_bits(folder, workers):
     assert ar.identify_series(sources, **OPTIONS, workers=workers) == alone
 
 
-@pytest.mark.parametrize(
-    ("reading", "said"),
-    [
+def test_wrong_options_of_the_readers_are_no_failed_tests(folder):
+    for reading, said in (
         ({"foo": 1}, "reading: got 'foo'; wanted options out of"),
         ({"delimiter": ";"}, "reading: got 'delimiter'"),  # of another reader
         ({"format": "flac"}, r"reading\['format'\]: got 'flac'"),
         (3, "reading: got 3; wanted options"),
-    ],
-)
-def test_wrong_options_of_the_readers_are_no_failed_tests(folder, reading, said):
-    for sources in (folder / "monday", [folder / "monday" / "test_1.npz"]):
-        with pytest.raises(ar.InvalidInputError, match=said):
-            ar.identify_series(sources, **OPTIONS, reading=reading)
+    ):
+        for sources in (folder / "monday", [folder / "monday" / "test_1.npz"]):
+            refused(said, ar.identify_series, sources, **OPTIONS, reading=reading)
 
 
 def test_readers_and_their_options(folder, quick):
     for reading in ({"dofs": [5, 6, 7]}, {"format": "npz"}, {"force": None, "fs_hz": None}):
         assert not ar.identify_series(folder / "monday", **OPTIONS, reading=reading).failed
-    (folder / "a.own").write_text("7")
-    series = ar.identify_series(
-        [folder / "a.own"], **OPTIONS, reading=lambda path: given(int(path.read_text()))
-    )
+    own = folder / "a.own"
+    own.write_text("7")
+    series = ar.identify_series([own], **OPTIONS, reading=lambda path: given(int(path.read_text())))
     assert series[0][0].tolist() == [9.0]
 
 
@@ -227,32 +225,12 @@ def test_a_column_that_is_left_out_is_told_to_the_caller(quick):
     assert told[0].filename == __file__
 
 
-WRONG = {
-    "one record": ({"sources": record()}, ar.InvalidInputError, "sources"),
-    "empty": ({"sources": []}, ar.InvalidInputError, "sources"),
-    "empty generator": ({"sources": iter(())}, ar.InvalidInputError, "no source at all"),
-    "empty folder": ({"sources": "."}, ar.InvalidInputError, "folder without measurements"),
-    "no folder": ({"sources": "mondya"}, ar.InvalidInputError, "sources: got .*does not exist"),
-    "no file": ({"sources": "monday/test_3.npz"}, ar.InvalidInputError, "sources: got .*does not exist"),
-    "no such files": ({"sources": "monday/*.npz"}, ar.InvalidInputError, "sources: got .*names no file"),
-    "a number": ({"sources": 3}, ar.InvalidInputError, "sources"),
-    "numbers": ({"sources": [3]}, ar.InvalidInputError, r"sources\[0\]"),
-    "numbers in a list": ({"sources": [[given(0), 3]]}, ar.InvalidInputError, r"sources\[0\]\[1\]"),
-    "a long tuple": ({"sources": [("a", given(0), given(1))]}, ar.InvalidInputError, "a tuple of 3"),
-    "twice": ({"sources": [("a", record()), ("a", record())]}, ar.InvalidInputError, "'a' more than once"),
-    "preset": ({"preset": "strictest"}, ar.InvalidInputError, "preset"),
-    "estimator": ({"estimator": "h3"}, ar.InvalidInputError, "estimator"),
-    "band": ({"band_hz": (8, 1)}, ar.InvalidInputError, "band_hz"),
-    "option": ({"maximum": 3}, TypeError, "maximum"),
-    "store": ({"store": "year.h5"}, ar.InvalidInputError, r"\.parquet"),
-    "store's folder": ({"store": "nowhere/year.parquet"}, ar.InvalidInputError, "folder that exists"),
-}
-
-
-@pytest.mark.parametrize("wrong", WRONG)
-def test_wrong_calls_are_no_failed_tests(tmp_path, monkeypatch, wrong):
+def test_wrong_calls_are_no_failed_tests(tmp_path, monkeypatch):
+    """Each line of the file is what is wrong in a call, and what is said of it."""
     pytest.importorskip("pyarrow")
     monkeypatch.chdir(tmp_path)
-    changed, error, said = WRONG[wrong]
-    with pytest.raises(error, match=said):
-        ar.identify_series(**({"sources": [record()], "store": "year.parquet"} | OPTIONS | changed))
+    usual = {"sources": [record()], "store": "year.parquet"} | OPTIONS
+    with pytest.raises(TypeError, match="maximum"):
+        ar.identify_series(**usual, maximum=3)
+    file = Path(__file__).with_name("wrong_series.txt")
+    replay(file, lambda wrong: refusal(lambda: ar.identify_series(**(usual | eval(wrong)))))

@@ -14,13 +14,9 @@ def watched():
     rng = np.random.default_rng(51)
     sets = many(exact(chain()), 70, rng) + many(exact(chain(0.02)), 12, rng) + [None]
     sets[3] = None
-    series = ar.Series.from_sets(
-        sets,
-        conditions={
-            "temperature_c": rng.uniform(0, 20, 83),
-            "time": np.datetime64("2026-01-01") + np.arange(83),
-        },
-    )
+    weather = {"temperature_c": rng.uniform(0, 20, 83)}
+    weather["time"] = np.datetime64("2026-01-01") + np.arange(83)
+    series = ar.Series.from_sets(sets, conditions=weather)
     model = ar.MassSpringChain(MASSES, SPRINGS * rng.uniform(0.97, 1.03, 5))
     return ar.monitor(series, baseline=60, model=model)
 

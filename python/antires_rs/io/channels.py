@@ -321,7 +321,7 @@ _SOURCE = Path("SEP-005 channels")  # what stands in messages in place of a file
 
 def _channel_of(here: Argument, row: Any) -> Channel:
     given = row.items() if isinstance(row, Mapping) else ()
-    keys = {key for key, value in given if value is not None or key == "unit_str"}
+    keys = {key: None for key, value in given if value is not None or key == "unit_str"}.keys()
     if not ({"data", "name", "unit_str"} <= keys and {"fs", "time"} & keys):
         reject(here, f"the keys {some(keys, 9) or 'none'}", _SEP_5, "Add those that are missing.")
     data = real_array(here.item("data"), row["data"], ndim=1, wanted="a real array (n_samples,)")

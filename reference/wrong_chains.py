@@ -1,4 +1,4 @@
-"""Chains whose model is wrong by some per cent, as tests of damage against a baseline use them."""
+"""Chains whose model is wrong by some per cent, for damage against a baseline."""
 
 from __future__ import annotations
 
