@@ -42,7 +42,7 @@ from scipy.special import logsumexp
 
 import antires_rs as ar
 from antires_rs import _core
-from antires_rs.damage.measured_states import follow, measured_states, roots_at
+from antires_rs.damage.measured_states import measured_states, roots_at
 from benchmarks.outside_class import is_right
 from benchmarks.study_tools import each, print_table
 from reference.outside_cases import OUTSIDE, case
@@ -78,7 +78,7 @@ class Changes:
         by = np.zeros((len(losses), self.root.size, self.n))
         for nth, state in enumerate(roots_at(self._core, losses, slopes=slopes, threads=1)):
             place = np.full(self._intact.size, -1)
-            was = follow(self._intact, state)
+            _, was = state.since(self._intact)
             place[was[was >= 0]] = np.flatnonzero(was >= 0)
             own = place[self.root]
             has = own >= 0
