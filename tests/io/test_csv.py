@@ -204,3 +204,15 @@ def test_unicode_text_of_excel(tmp_path):
     made = ar.read_csv(tmp_path / "a.csv")
     assert made.fs_hz == 10.0
     np.testing.assert_allclose(made.responses, [[1.5e-6, 2.5e-6, 3.5e-6]])
+
+
+@pytest.mark.parametrize(("fs_hz", "seconds"), [(1260.0, 60), (512.0, 100), (2048.0, 20)])
+def test_instants_of_six_digits_have_fewer_places_the_later_they_are(tmp_path, fs_hz, seconds):
+    instants = np.arange(int(fs_hz * seconds)) / fs_hz
+    columns = np.column_stack([instants, np.sin(instants)])
+    np.savetxt(tmp_path / "a.csv", columns, "%.6g", ",", header="Time [s],a", comments="")
+    assert ar.read_csv(tmp_path / "a.csv").fs_hz == fs_hz
+    gap = np.delete(columns, 4 * len(columns) // 5, axis=0)
+    np.savetxt(tmp_path / "a.csv", gap, "%.6g", ",", header="Time [s],a", comments="")
+    with pytest.raises(ar.UnsuitableDataError, match="1 such gaps"):
+        ar.read_csv(tmp_path / "a.csv")

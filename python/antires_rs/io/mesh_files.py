@@ -25,7 +25,7 @@ def read_mesh(path: PathLike, *, nodes: Any = None) -> Mesh:
     Parameters
     ----------
     path : path-like
-        Files ``.inp`` of CalculiX are read without meshio.
+        Files ``.inp`` are read as inputs of CalculiX, without meshio.
     nodes : sequence of int, optional
         Number of each node, in the order of the file, by which dofs of a model, ``"12:Z"``, are found.
         Default: those of the file where meshio keeps them, as of Nastran, else 1, 2, ...
@@ -33,7 +33,7 @@ def read_mesh(path: PathLike, *, nodes: Any = None) -> Mesh:
     Returns
     -------
     Mesh
-        For :func:`read_model` and :class:`MatrixModel`.
+        For :func:`~antires_rs.read_model` and :class:`~antires_rs.MatrixModel`.
 
     Raises
     ------
@@ -46,7 +46,8 @@ def read_mesh(path: PathLike, *, nodes: Any = None) -> Mesh:
     --------
     >>> import tempfile, pathlib, antires_rs as ar
     >>> file = pathlib.Path(tempfile.mkdtemp()) / "bar.inp"
-    >>> _ = file.write_text("*NODE\\n5, 0.\\n9, 2.\\n*ELEMENT, TYPE=T3D2, ELSET=BAR\\n1, 5, 9\\n")
+    >>> bar = "*NODE\\n5, 0.\\n9, 2.\\n*ELEMENT, TYPE=T3D2, ELSET=BAR\\n1, 5, 9\\n*MATERIAL, NAME=M\\n"
+    >>> _ = file.write_text(bar + "*SOLID SECTION, ELSET=BAR, MATERIAL=M\\n1e-4\\n")
     >>> ar.io.read_mesh(file).place(9)
     array([2., 0., 0.])
     """

@@ -312,13 +312,16 @@ def _fill(file: Path, table: Table, rows: list[list[str]], point: str, width: in
     except ValueError as exc:
         unsuitable(file, f"with a value that is no number ({exc})", _NUMBERS)
     digits = [
-        _rounding([row[c] for row in rows[:1000]], table.values[:, c], point) for c in range(min(width, 2))
+        _rounding([row[c] for row in rows[-1000:]], table.values[:, c], point) for c in range(min(width, 2))
     ]
     table.digits = (digits[0], digits[-1])
 
 
 def _rounding(column: list[str], values: NDArray[Any], point: str) -> float:
-    """Half a unit in the last decimal place that a column ever shows, relative to its largest number."""
+    """Half a unit in the last decimal place that a column shows, relative to its largest number.
+
+    It is asked of the last rows: where all numbers have as many digits, late instants have the fewest places.
+    """
     places = []
     for text in column:
         match = _MANTISSA.match(text)  # of the real part of a complex one
