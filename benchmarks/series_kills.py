@@ -1,6 +1,6 @@
-"""SIGKILL at random times during one series, until it has been killed so often; then it is left alone.
+"""SIGKILL at random times during a series, until it is through; then another, until there were so many kills.
 
-The file must be that of a series that nobody stopped, byte for byte, and nothing else may be left.
+Each file must be that of a series that nobody stopped, byte for byte, and nothing else may be left.
 
 Run: ``python -m benchmarks.series_kills [KILLS] [SEED]``, 20 and 0 by default; a minute or two.
 """
@@ -55,25 +55,33 @@ def killed_at(folder, after_s):
     return len(ar.Series.load(folder / "year.parquet")) if part.exists() else 0
 
 
+def killed_series(folder, whole, kills, rng):
+    """Tests that were kept after each kill of a series, and whether its file is that of the other."""
+    folder.mkdir()
+    (folder / "records").symlink_to(whole / "records")
+    kept = []
+    while len(kept) < kills and (at := killed_at(folder, rng.uniform(*LIFE_S))) is not None:
+        kept.append(at)
+    subprocess.run([sys.executable, "-c", CHILD, str(folder)], check=True)
+    same = (folder / "year.parquet").read_bytes() == (whole / "year.parquet").read_bytes()
+    left = sorted(path.name for path in folder.iterdir())
+    print(f"{len(kept)} kills; tests that were kept after each: {kept}")
+    print(f"same file: {same}; left beside the records: {left}", flush=True)
+    return len(kept), same and left == ["records", "year.parquet"]
+
+
 def main(kills=20, seed=0):
-    rng = np.random.default_rng(seed)
+    rng, total, right = np.random.default_rng(seed), 0, True
     with tempfile.TemporaryDirectory() as name:
-        whole, killed = Path(name, "whole"), Path(name, "killed")
+        whole = Path(name, "whole")
         made(whole)
-        (killed).mkdir()
-        (killed / "records").symlink_to(whole / "records")
         identified(whole)
-        kept = []
-        while len(kept) < kills and (at := killed_at(killed, rng.uniform(*LIFE_S))) is not None:
-            kept.append(at)
-        subprocess.run([sys.executable, "-c", CHILD, str(killed)], check=True)
-        same = (killed / "year.parquet").read_bytes() == (whole / "year.parquet").read_bytes()
-        left = sorted(path.name for path in killed.iterdir())
-        size = (whole / "year.parquet").stat().st_size
         failed = len(ar.Series.load(whole / "year.parquet").failed)
-    print(f"{len(kept)} kills during a series of {TESTS} tests ({failed} failed); kept after each: {kept}")
-    print(f"same file, {size:,} bytes: {same}; left beside the records: {left}")
-    return same and left == ["records", "year.parquet"]
+        print(f"series of {TESTS} tests ({failed} failed), {(whole / 'year.parquet').stat().st_size:,} bytes")
+        while total < kills and right:
+            count, right = killed_series(Path(name, f"killed_{total}"), whole, kills - total, rng)
+            total += count
+    return right
 
 
 if __name__ == "__main__":

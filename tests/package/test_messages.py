@@ -15,6 +15,11 @@ OF_ERRORS = "UnsuitableDataError", "InvalidInputError", "Refused", "MissingDepen
 SAYING |= dict.fromkeys(OF_ERRORS, slice(0, 4))
 
 
+def source_of(node):
+    """Its source, quoted as from Python 3.12 on."""
+    return re.sub(r'\bf"([^"]*)"', r"f'\1'", ast.unparse(node))
+
+
 def said(node, known):
     """A text of the source with what is put into it in braces; of names what they were last given."""
     match node:
@@ -25,14 +30,14 @@ def said(node, known):
         case ast.FormattedValue(value=ast.Name(id=name)) if name in known and known[name] is not node:
             return said(known.pop(name), known) or f"{{{name}}}"
         case ast.FormattedValue(value=value):
-            return f"{{{ast.unparse(value)}}}"
+            return f"{{{source_of(value)}}}"
         case ast.BinOp(left=left, op=ast.Add(), right=right):
             return said(left, known) + said(right, known)
         case ast.IfExp(body=one, orelse=other):
             return f"<{said(one, known)} | {said(other, known)}>"
         case ast.Name(id=name) if name in known:
             return said(known[name], {**known, name: ast.Constant(f"{{{name}}}")})
-    return f"{{{ast.unparse(node)}}}"
+    return f"{{{source_of(node)}}}"
 
 
 def assigned(nodes):
