@@ -206,9 +206,13 @@ def test_unicode_text_of_excel(tmp_path):
     np.testing.assert_allclose(made.responses, [[1.5e-6, 2.5e-6, 3.5e-6]])
 
 
-@pytest.mark.parametrize(("fs_hz", "seconds"), [(1260.0, 60), (512.0, 100), (2048.0, 20)])
-def test_instants_of_six_digits_have_fewer_places_the_later_they_are(tmp_path, fs_hz, seconds):
-    instants = np.arange(int(fs_hz * seconds)) / fs_hz
+@pytest.mark.parametrize(
+    ("fs_hz", "first_s", "seconds"),
+    [(1260.0, 0, 60), (512.0, 0, 100), (2048.0, 0, 20), (512.0, 0, 0.8), (1260.0, 9.9, 0.32), (200.0, 97, 4)],
+)
+def test_instants_of_six_digits_have_fewer_places_the_later_they_are(tmp_path, fs_hz, first_s, seconds):
+    """Also where they get another digit within the last rows."""
+    instants = first_s + np.arange(int(fs_hz * seconds)) / fs_hz
     columns = np.column_stack([instants, np.sin(instants)])
     np.savetxt(tmp_path / "a.csv", columns, "%.6g", ",", header="Time [s],a", comments="")
     assert ar.read_csv(tmp_path / "a.csv").fs_hz == fs_hz

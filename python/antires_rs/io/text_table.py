@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from itertools import compress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -317,18 +318,24 @@ def _fill(file: Path, table: Table, rows: list[list[str]], point: str, width: in
     table.digits = (digits[0], digits[-1])
 
 
+_FEW = 10  # of fewer numbers all may end in a zero that is not written
+
+
 def _rounding(column: list[str], values: NDArray[Any], point: str) -> float:
     """Half a unit in the last decimal place that a column shows, relative to its largest number.
 
-    It is asked of the last rows: where all numbers have as many digits, late instants have the fewest places.
+    It is asked of the last rows, and there of the largest numbers unless these are few: where all have as
+    many digits, late instants have the fewest places.
     """
+    most = float(np.abs(values).max()) or 1.0
+    large = np.abs(values[-len(column) :]) >= 10.0 ** np.floor(np.log10(most))
     places = []
-    for text in column:
+    for text in compress(column, large) if large.sum() >= _FEW else column:
         match = _MANTISSA.match(text)  # of the real part of a complex one
         mantissa, exponent = match.groups() if match else ("", None)
         places.append(len(mantissa.partition(point)[2]) - float(exponent or 0))
     unit: float = 0.5 * 10.0 ** min(-max(places), 300.0)
-    return max(unit / (float(np.abs(values).max()) or 1.0), 1e-15)
+    return max(unit / most, 1e-15)
 
 
 def _header(file: Path, lines: list[str], table: Table) -> None:
