@@ -157,7 +157,8 @@ def test_a_mesh_of_another_program_is_the_picture_of_a_model(tmp_path):
     assert model.mesh == mesh
     other = ar.io.read_mesh(tmp_path / "strip.vtu", nodes=[7, 1, 3, 4, 5])
     refused("5 nodes without 2, which dofs have", ar.read_model, strip, groups=["e_web"], mesh=other)
-    refused("a number for each of 5 nodes", ar.io.read_mesh, tmp_path / "strip.vtu", nodes=[1])
+    for wrong in ([1], 7, [1.5, 2, 3, 4, 5], ["a", "b", "c", "d", "e"], [[1], [2, 3], 4, 5, 6]):
+        refused("a whole number for each of 5 nodes", ar.io.read_mesh, tmp_path / "strip.vtu", nodes=wrong)
     # Nastran's own numbers; a file of no kind, at which meshio would end the program.
     grids = "".join(
         f"GRID    {n:<16}{x:<8}{y:<8}0.0\n" for n, x, y in ((11, 0.0, 0.0), (15, 1.0, 0.0), (4, 1.0, 1.0))
@@ -170,6 +171,19 @@ def test_a_mesh_of_another_program_is_the_picture_of_a_model(tmp_path):
     refused("which no reader of meshio takes", ar.io.read_mesh, tmp_path / "a.vtk")
     meshio.Mesh(np.array(square), cells[:1]).write(tmp_path / "points.vtu")
     refused("without elements", ar.io.read_mesh, tmp_path / "points.vtu")
+    for node in (9, -1):  # neither is a node of the file
+        cells = f"CELLS 1 3\n2 0 {node}\nCELL_TYPES 1\n3\n"
+        (tmp_path / "a.vtk").write_text(
+            "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 2 double\n0 0 0\n1 0 0\n"
+            + cells
+        )
+        refused("with nodes of a line that it has not", ar.io.read_mesh, tmp_path / "a.vtk")
+    faces = [[[0, 1, 2], [0, 1, 3], [1, 2, 3], [0, 2, 3]]]
+    solid = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    meshio.Mesh(solid, [("polyhedron4", faces)]).write(tmp_path / "solid.vtu")
+    refused("with polyhedra", ar.io.read_mesh, tmp_path / "solid.vtu")
+    (tmp_path / "bar.inp").write_text("*NODE\n5, 0.\n9, 2.\n")
+    refused("numbers for an input of CalculiX", ar.io.read_mesh, tmp_path / "bar.inp", nodes=[1, 2])
 
 
 def test_a_plate_of_scikit_fem_has_its_own_frequencies():

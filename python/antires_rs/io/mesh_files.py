@@ -12,6 +12,7 @@ import numpy as np
 
 from ..exceptions import AntiresError, reject
 from ..models.term_groups import Mesh
+from ..support.checks import shape_of
 from .calculix import Deck
 from .common import brief, existing_file, require, unsuitable
 from .options import PathLike
@@ -53,6 +54,8 @@ def read_mesh(path: PathLike, *, nodes: Any = None) -> Mesh:
     """
     file = existing_file(path)
     if file.suffix.lower() == ".inp":
+        if nodes is not None:
+            reject("nodes", "numbers for an input of CalculiX", "none", "Leave them out: it has its own.")
         return Deck(file).mesh()
     require("Reading meshes", "meshio", "mesh")
     read = _read(file)
@@ -61,12 +64,15 @@ def read_mesh(path: PathLike, *, nodes: Any = None) -> Mesh:
         unsuitable(file, "without elements", _WANTED)
     places = np.asarray(read.points, dtype=np.float64)
     places = np.pad(places, ((0, 0), (0, 3 - places.shape[1])))
-    numbers = np.asarray(
-        getattr(read, "points_id", np.arange(1, len(places) + 1)) if nodes is None else nodes
-    )
-    if numbers.shape != (len(places),):
-        got = f"an array of shape {numbers.shape}"
-        reject("nodes", got, f"a number for each of {len(places)} nodes", "In the order of the file.")
+    for block in blocks:
+        if block.type.startswith("polyhedron"):
+            unsuitable(file, "with polyhedra", _WANTED)
+        if not np.isin(block.data, range(len(places))).all():
+            unsuitable(file, f"with nodes of a {block.type} that it has not", _WANTED)
+    given = getattr(read, "points_id", range(1, len(places) + 1)) if nodes is None else nodes
+    if shape_of(given) != (len(places),) or not all(isinstance(node, int | np.integer) for node in given):
+        reject("nodes", given, f"a whole number for each of {len(places)} nodes", "In the order of the file.")
+    numbers = np.asarray(given)
     counts = [len(block.data) for block in blocks]
     connectivity = np.full((sum(counts), max(block.data.shape[1] for block in blocks)), -1)
     for first, block in zip(np.cumsum([0, *counts]), blocks, strict=False):
