@@ -109,6 +109,30 @@ def test_matched_points_are_arrows_with_names_and_others_are_told_where_they_wer
     assert len(scene(model, None, matched, "door").arrows) == 1  # the force is one of those without a dof
 
 
+def test_several_forces_may_be_matched_points_and_nodes_of_another_model_are_refused():
+    model = meshed("C3D8", KINDS["C3D8"][0], [("core", [0]), ("rest", [])])
+    matched = ar.match_points({"tip": (1.0, 1.0, 1.0, "-X"), "hammer": (0.0, 0.0, 0.0, "Z")}, model)
+    for forces in (["tip", "hammer"], ("101:Z", "107:X")):
+        _, force = scene(model, None, matched, forces).arrows
+        assert sorted(force.heads.tolist()) == [[0, 0, 0], [1, 1, 1]]
+    other = ar.match_points({"tip": (1.0, 1.0, 1.0, "X")}, {7: (1.0, 1.0, 1.0)})
+    refused("sensors: got points at 7; wanted points that were matched", scene, model, None, other)
+
+
+@pytest.mark.parametrize("space", [False, True])
+def test_frames_show_matched_points_by_their_names(space):
+    nodes = [(0.0, y, 0.0)[: 2 + space] for y in (0.0, 1.0, 2.0)]
+    bar = ar.Rectangle(0.01, 0.02, 2.1e11, 7800.0)
+    model = ar.FrameModel(nodes, [(0, 1, "bar"), (1, 2, "bar")], {"bar": bar}, fixed=[0])
+    given = {"tip": (0.0, 2.0, 0.0, "X"), "hammer": (0.0, 1.0, 0.0, "X"), "door": (5.0, 2.0, 0.0, "X")}
+    with pytest.warns(ar.AntiresWarning, match="'door'"):
+        matched = ar.match_points(given, model, tolerance_m=0.1)
+    ax = model.plot(sensors=matched, excitation="hammer")
+    assert ax.get_xlabel().split("\n")[1] == f"\u00d7 door: {matched.unmatched['door']}"
+    assert {"tip", "hammer", "\u00d7 door"} <= {text.get_text() for text in ax.texts}
+    assert {"accelerometer", "force"} <= {*ax.get_legend_handles_labels()[1]}
+
+
 def test_a_picture_has_what_is_far_first_and_damage_last():
     (faces, *_) = seen(scene(meshed_chain(), {4: 55.0, 1: 0.0}, label="Loss (%)")).marks
     assert np.allclose(faces.colours[-1] * 255, [5, 11, 22])

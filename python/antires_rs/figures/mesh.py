@@ -19,10 +19,11 @@ from ..models.frame import FrameModel
 from ..support.checks import FloatArray, IntArray, members, real_array
 from ..support.directions import point_of
 from ..support.files import write_atomically
+from ..support.messages import some
 from .canvas import draw, new_axes
 from .marks import SCALE, Arrows, Axis, Faces, Mark, Panel, Scene, Words, xy
 from .packing import packed_text, policy, script
-from .structure import ISOMETRIC, _value_by_element
+from .structure import ISOMETRIC, _value_by_element, forces_of, without_dof
 
 if TYPE_CHECKING:
     from ..models.matrix_model import MatrixModel
@@ -218,7 +219,11 @@ def _arrows(
     size, measured = _size(places), list[int]()
     words: list[tuple[str, FloatArray]] = []
     ends: dict[str, list[tuple[FloatArray, FloatArray]]] = {"accelerometer": [], "force": []}
+    forces = forces_of(sensors, excitation)
     if isinstance(sensors, MatchedPoints):
+        if astray := sorted({*sensors.nodes.values()} - row.keys()):
+            got, remedy = f"points at {some(astray)}", "Call ar.match_points(points, model) with it."
+            reject("sensors", got, "points that were matched with nodes of this model", remedy)
         for name, (place, way) in sensors.points.items():
             if name in sensors.unmatched:
                 words.append((f"\u00d7 {name}", place))
@@ -227,11 +232,9 @@ def _arrows(
             ends["accelerometer"].append((head, way))
             upper = 0.0 if (ISOMETRIC @ way)[1] > 0.0 else 0.7 * LONG * size  # a name stands above its arrow
             words.append((str(name), head - upper * way))
-        if excitation in sensors.points:
-            excitation = None if excitation in sensors.unmatched else sensors.dofs[excitation]
     else:
         measured = [model._dof(Argument("sensors").item(i), dof) for i, dof in enumerate(sensors)]
-    force = [] if excitation is None else members(model._end("excitation", excitation))
+    force = members(model._end("excitation", forces))
     for label, dofs in (("accelerometer", measured), ("force", force)):
         there = [point for point in (points[dof] for dof in dofs) if point is not None and point[0] in row]
         for node, code in there:  # a rotation is an arrow along its axis
@@ -243,12 +246,6 @@ def _arrows(
             tails = heads - share * LONG * size * ways
             arrows.append(Arrows(tails, heads, colour, 1.6 * share, label=label))
     return arrows, words
-
-
-def without_dof(sensors: Any) -> list[str]:
-    """A line for each point that has no dof, with the reason."""
-    unmatched = sensors.unmatched if isinstance(sensors, MatchedPoints) else {}
-    return [f"\u00d7 {name}: {reason}" for name, reason in unmatched.items()]
 
 
 def _cells(mesh: Any, groups: list[IntArray], values: FloatArray | None) -> tuple[IntArray, IntArray]:

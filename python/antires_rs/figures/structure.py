@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..exceptions import reject
+from ..io.points import MatchedPoints
+from ..models.frame_parts import PARTS
 from ..support.checks import FloatArray, integer, members, real_array
 from .canvas import draw, fit_across, new_axes, width_pt
 from .marks import Arrows, Axis, Line, Mark, Panel, Paths, Points, Words, xy
@@ -15,7 +18,6 @@ from .marks import Arrows, Axis, Line, Mark, Panel, Paths, Points, Words, xy
 if TYPE_CHECKING:
     from ..models.chain import MassSpringChain
     from ..models.frame import FrameModel
-from ..models.frame_parts import PARTS
 
 
 def _value_by_element(values: Any, count: int) -> FloatArray | None:
@@ -32,6 +34,24 @@ def _value_by_element(values: Any, count: int) -> FloatArray | None:
     if array.size != count:
         reject("values", f"{array.size} values", wanted, "Give a value for each element, in their order.")
     return array
+
+
+def forces_of(sensors: Sequence[Any] | MatchedPoints, excitation: Any) -> list[Any]:
+    """Dofs of forces, of which matched points may be some; those without a dof are left out."""
+    if excitation is None:
+        return []
+    forces = [*excitation] if isinstance(excitation, list | tuple | np.ndarray) else [excitation]
+    if not isinstance(sensors, MatchedPoints):
+        return forces
+    known = {name: None for name in sensors.points} | sensors.dofs
+    dofs = [known.get(force, force) if isinstance(force, int | str) else force for force in forces]
+    return [dof for dof in dofs if dof is not None]
+
+
+def without_dof(sensors: Any) -> list[str]:
+    """A line for each point that has no dof, with the reason."""
+    unmatched = sensors.unmatched if isinstance(sensors, MatchedPoints) else {}
+    return [f"\u00d7 {name}: {reason}" for name, reason in unmatched.items()]
 
 
 def _hovered(names: list[str], values: FloatArray | None, **columns: Any) -> dict[str, Any]:
@@ -164,8 +184,8 @@ def plot_frame(
     values: Any = None,
     ax: Any = None,
     *,
-    sensors: Sequence[int] = (),
-    excitation: int | None = None,
+    sensors: Sequence[int | str] | MatchedPoints = (),
+    excitation: int | str | None = None,
     numbers: bool | None = None,
     label: str = "Value by element",
 ) -> Any:
@@ -177,8 +197,10 @@ def plot_frame(
     ----------
     values : array_like, (n_elements,), or mapping of int to float, optional
         As in :func:`plot_chain`, of each element. By default the colours tell the sections apart.
-    sensors, excitation, label
-        As in :func:`plot_chain`; arrows along their direction.
+    sensors, excitation
+        As in :func:`plot_mesh`; arrows along their direction.
+    label : str
+        Name of the values, with their unit.
     numbers : bool, optional
         Whether to number elements and nodes (slanted); by default up to 120 elements and 60 nodes.
 
@@ -191,7 +213,9 @@ def plot_frame(
     ax = new_axes(ax, (9.0, 4.6))
     share, size = ax.get_position(), ax.figure.get_size_inches()
     room = 72.0 * np.array([share.width * size[0], share.height * size[1]])
-    draw(frame(model, values, sensors, excitation, label, room, numbers), ax, drop_pt=44.0)
+    shown, told = frame(model, values, sensors, excitation, label, room, numbers), without_dof(sensors)
+    shown = replace(shown, x=replace(shown.x, label="\n".join([shown.x.label, *told])))
+    draw(shown, ax, drop_pt=44.0 + 14.0 * len(told))
     ax.margins(MARGIN)
     return ax
 
@@ -205,7 +229,7 @@ def seen_points(model: FrameModel) -> FloatArray:
 def frame(
     model: FrameModel,
     values: Any,
-    sensors: Sequence[Any],
+    sensors: Sequence[Any] | MatchedPoints,
     excitation: Any,
     label: str,
     room_pt: FloatArray,
@@ -222,8 +246,13 @@ def frame(
     says = {"Node": "@node", "At": "@where"}
     more = {"node": list(map(str, range(len(points)))), "where": where}
     marks.append(Points(*xy(points), size=3.0, face="white", only="page", says=says, more=more))
-    dofs, names = [model._dof("sensors", dof) for dof in sensors], model._frame.dof_names()
-    force = [] if excitation is None else members(model._end("excitation", excitation))
+    force, names = members(model._end("excitation", forces_of(sensors, excitation))), model._frame.dof_names()
+    if isinstance(sensors, MatchedPoints):
+        told = [name if name not in sensors.unmatched else f"\u00d7 {name}" for name in sensors.points]
+        at = np.array([place for place, _ in sensors.points.values()])
+        marks.append(Words(*xy(at @ ISOMETRIC.T if space else at[:, :2]), told, "right", 6.0, halo=True))
+        sensors = list(sensors.weights)
+    dofs = [model._dof("sensors", dof) for dof in sensors]
     for found, colour, length, name in (
         (dofs, "vermillion", 0.7, "accelerometer"),
         (force, "black", 1.3, "force"),
