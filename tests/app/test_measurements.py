@@ -96,6 +96,9 @@ def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
     numbered = ar.write_npz(tmp_path / "record.npz", ar.Recording(noise, 32.0))
     assert cli.main(["init", str(job), "--data", str(numbered), "--overwrite"]) == 0
     assert "dofs" not in tomllib.loads(job.read_text())["data"]
+    for place, written in (("1", 1), ("tip [g]", "tip [g]"), ("0,1", "0,1")):  # a number is a dof, no name
+        assert cli.main(["init", str(job), "--data", str(named), "--overwrite", "--excitation", place]) == 0
+        assert tomllib.loads(job.read_text())["data"]["excitation"] == written
     rounded = tmp_path / "rounded.csv"  # six digits of a time that has more
     rows = (f"{99.985 + i / 2048.0:.6g};{a:.4f};{b:.4f}" for i, (a, b) in enumerate(noise.T))
     rounded.write_text("\n".join(["time [s];a [m/s2];b [m/s2];CH8 [V]", *(f"{row};0" for row in rows), ""]))

@@ -29,7 +29,7 @@ pipe = { shape = "tube", outer_diameter_m = 0.05, thickness_m = 0.002, youngs_mo
 density_kg_per_m3 = 7850 }
 """,
 )
-BASELINE = DAMAGE.replace("[damage]", '[damage]\nbaseline = "measured.json"')
+BASELINE = DAMAGE.replace("[damage]", '[damage]\nbaseline = "measured_intact.json"')
 RECORD = DAMAGE.replace('file = "measured.json"', 'file = "record.npz"\nexcitation = 0\nband_hz = [3, 100]')
 THREE = RECORD.replace("band_hz", "dofs = [0, 1, 2]\nband_hz")
 OTHER_FORCE = RECORD.replace("excitation = 0", 'excitation = "tip"')
@@ -111,7 +111,8 @@ def test_wrong_calls(tmp_path, monkeypatch):
 
 def test_wrong_jobs(tmp_path):
     write_measured(tmp_path)
-    ar.AntiresonanceSet(1, {0: [10.0]}).save(tmp_path / "other_force_measured.json")
+    shutil.copy(tmp_path / "measured.json", tmp_path / "measured_intact.json")
+    ar.AntiresonanceSet(1, {0: [10.0]}).save(tmp_path / "other_force_measured_intact.json")
     write_record(tmp_path)
     slow = ar.Recording(np.zeros((3, 64)), 100.0, dofs=["tip", "mid", "root"])
     ar.write_npz(tmp_path / "slow.npz", slow)

@@ -443,7 +443,8 @@ def template(
         "",
     ]
     file = data or ("records" if task == "series" else "record.uff")
-    force = "0" if excitation is None else _quoted(excitation)
+    force = "0" if excitation is None else excitation
+    force = force if force.isdecimal() and force not in channels else _quoted(force)
     filled = {
         "data": {"file": _quoted(file), "excitation": force, "band_hz": str([*(band_hz or (3.0, 130.0))])},
         "model": {"kind": _quoted(model)}

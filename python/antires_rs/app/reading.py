@@ -458,6 +458,9 @@ def baseline_of(job: Job, model: StructuralModel) -> list[Measurement]:
 def _intact(job: Job, at: KeyPath, name: str, number: int, model: StructuralModel) -> list[Measurement]:
     place, table = job.data_places[number], job.data[number]
     files = job.files(at, name, folders=True)
+    if {*files} & {*job.files((*place, "file"), table["file"], folders=True)}:
+        got, wanted = f"{shown(name)}, which is [data] itself", "a measurement of the intact structure"
+        job.reject(at, got, wanted, "Name that of before, or leave baseline out.")
     # What a file is its ending tells, else [data].
     own = format_of(files[0].name) or kind_of(job, place, table, files[0])
     held = (format_of(table["file"]) or table.get("format")) == "antiresonances"
@@ -470,9 +473,6 @@ def _intact(job: Job, at: KeyPath, name: str, number: int, model: StructuralMode
         got = f"{shown(name)}, a measurement beside a [data] that holds antiresonances already"
         remedy = "Identify it first with the same options: antires identify FILE --out intact.json."
         job.reject(at, got, "antiresonances of the intact structure, a .json", remedy)
-    if job.files((*place, "file"), table["file"], folders=True) == files:
-        got, wanted = f"{shown(name)}, which is [data] itself", "a measurement of the intact structure"
-        job.reject(at, got, wanted, "Name that of before, or leave baseline out.")
     known = {key: value for key, value in table.items() if key not in ("repeats", *EDITS)}
     known |= {} if own == FOLDER else {"format": own}
     return [Measurement(job, place, known, model, [(at, path) for path in files]).identified()]
