@@ -16,6 +16,7 @@ import numpy as np
 
 from ..exceptions import reject
 from ..support.checks import BoolArray, FloatArray, IntArray
+from ..support.messages import some
 from ..support.progress import step
 from ..support.values import FrozenDict, Value
 from ..views import Viewed
@@ -52,13 +53,13 @@ class BoxResiduals:
         #: 0 for frequencies, 1 for entries of shapes.
         self.kind, std, weights = kind[self.kept], std[self.kept], weights[value][self.kept]
         known, noun = np.isfinite(std), f"{problem.noun}s"
-        stated, alone = bool(known.any()), len(paired) - int(paired.sum())
+        stated, alone = bool(known.any()), [f"{hz:.4g} Hz" for hz in problem.measured_hz[~paired]]
         #: Standard deviations that the measurement states, and relative size of the error that it does not.
         self.stated = np.where(known, std, np.median(std[known])) if stated else None
         self.size = np.ones(std.size) if stated else 1.0 / weights
         self.turned: FloatArray | None = None
         assumed = {
-            f"{alone} measured {noun} without a partner in the model are left out.": alone,
+            f"Left out, without a partner near them in the model: {some(alone)}.": alone,
             f"No errors of the measured {noun} are stated: the residuals tell them.": not stated,
             "Values without a standard deviation are given the median of others.": stated and not known.all(),
         }
