@@ -168,6 +168,9 @@ def test_a_mesh_of_another_program_is_the_picture_of_a_model(tmp_path):
     )
     assert ar.io.read_mesh(tmp_path / "t.bdf").connectivity.tolist() == [[11, 15, 4]]
     (tmp_path / "a.vtk").write_text("nothing\n")
+    refused(
+        "mesh: got .*a.vtk', which no reader", ar.read_model, strip, groups=["e_web"], mesh=tmp_path / "a.vtk"
+    )
     refused("which no reader of meshio takes", ar.io.read_mesh, tmp_path / "a.vtk")
     meshio.Mesh(np.array(square), cells[:1]).write(tmp_path / "points.vtu")
     refused("without elements", ar.io.read_mesh, tmp_path / "points.vtu")
@@ -366,6 +369,10 @@ def test_the_command_line_makes_a_model_for_a_job(program, tmp_path, capsys):
     assert "web" in capsys.readouterr().out
     assert antires([*call, "rib=1"]) == 2
     assert "--groups" in capsys.readouterr().err
+    (tmp_path / "empty.inp").write_text("*NODE\n")
+    for mesh in ("no.inp", "empty.inp"):  # the mesh is at fault, not the source
+        assert antires([*call, "web=100", "--mesh", str(tmp_path / mesh)]) in (1, 2)
+        assert f"error: --mesh: got '{tmp_path / mesh}'" in capsys.readouterr().err
 
 
 # -- Written back

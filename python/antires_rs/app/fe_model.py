@@ -28,7 +28,10 @@ def model(args: argparse.Namespace) -> int:
         return _write(args)
     if not args.groups:
         reject("--groups", "nothing", "the groups that may be scaled", "As in --groups elset.")
-    named = {"source": "SOURCE", "groups": "--groups", "command": "--command", "path": "SOURCE"}
+    if args.mesh is not None:
+        existing("--mesh", Path(args.mesh), "Name the file of the mesh.")
+    named = {name: f"--{name}" for name in ("groups", "command", "mesh")}
+    named |= {"source": "SOURCE", "path": "SOURCE"}
     with arguments(named):
         by_number = code_name(args.source, None, args.command) != "command"
         groups = _groups(args.groups, by_number)

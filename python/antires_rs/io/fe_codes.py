@@ -23,7 +23,7 @@ from typing import Any, Literal, NoReturn
 
 import numpy as np
 
-from ..exceptions import AntiresError, reject
+from ..exceptions import AntiresError, InvalidInputError, reject
 from ..models.matrices import Entries
 from ..models.matrix_model import MatrixModel
 from ..models.term_groups import Mesh, Powers, TermGroup
@@ -333,7 +333,10 @@ def read_model(
         reject("out", str(out), "a file that ends in .npz, in a folder that exists", "Choose another name.")
     chosen = opened(source, code, command, groups)
     if mesh is not None and not isinstance(mesh, Mesh):
-        mesh = read_mesh(mesh)
+        try:
+            mesh = read_mesh(mesh)
+        except InvalidInputError as exc:
+            raise type(exc)("mesh", exc.got, exc.wanted, exc.remedy) from exc
     with waiting(f"running {chosen.name}", progress), _folder(target if chosen.keeps else None) as folder:
         runs = Runs(chosen, folder, at_once if chosen.keeps else 1)
         base = runs.base if mesh is None else replace(runs.base, mesh=_fitting(mesh, runs.base.names))
