@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from antires_rs.identification import stability
 from antires_rs.signals.averaging import Averaging, holds_hits
 from tests.support.campaign import some_of
 from tests.support.measured_data import DATA, needs_hits, needs_shake_table
@@ -39,6 +40,22 @@ def test_the_chain_by_local_fits(chain, noise, least, tmp_path):
     if noise == 0.05:  # the same record gives the same bits
         again = ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, fit=fit_options)
         assert all((zeros[dof] == again[dof]).all() for dof in zeros)
+
+
+def test_a_candidate_is_what_most_perturbed_fits_see_near_it_and_once():
+    """The nearest zero of each fit counts, within 1.5 %; those that end at one place are one."""
+    hz = np.array([[10.0, 10.6], [10.05, np.inf], [10.1, 9.0], [np.inf, np.inf]])
+    fits = stability._Zeros(np.stack([hz, np.full(hz.shape, 0.01)]), [slice(0, 4)], 0.0)
+    seen = stability._seen([fits], 9.96)
+    assert (seen.share, seen.fits, seen.freq_hz) == (0.75, 3, 10.05)
+    assert stability._seen([fits], 12.0) is None
+    found = np.zeros(4, dtype=stability.CANDIDATE)
+    found["row"], found["freq_hz"], found["share"] = (
+        (0, 0, 1, 0),
+        (10.0, 10.02, 10.0, 10.2),
+        (0.5, 0.9, 0.4, 0.8),
+    )
+    assert stability._once(found)["freq_hz"].tolist() == [10.02, 10.0, 10.2]
 
 
 def test_noise_alone_says_so():
