@@ -144,13 +144,17 @@ def select(
         )
         own = roots[row][~shared(roots[row], others)]
         s, share, std, count = _candidates(best, influence, sweep, own, lines, window.report_hz, rule)
-        std = np.hypot(std, order_scatter(s, [every[row] for every in other_orders], count))
+        scatter = order_scatter(s, [every[row] for every in other_orders], count)
+        std = np.hypot(std, scatter)
         if lines.order > 1:
             std = np.hypot(std, LEAKAGE * float(np.median(np.diff(lines.freq_hz))))
         seen = _seen(s, sweep, higher, rule)
         counts = np.array([len(own) for own in seen], dtype=int)
         stays = (counts > rule.min_rows) & (counts >= PRESENCE * len(higher))
         zeros = _table(s, share, std, count, seen, stays, one.accepted, lines.added_decay_per_s)
+        if lines.order > 1:  # The orders above are fits as good as the likeliest, those of the sweep are not.
+            spread = scatter / zeros.freq_hz
+            zeros = zeros.with_scores(spread=spread, rows=unit * zeros.rows)
         keep = _credible(s, zeros, stays, others, NEARLY_SHARED if lines.order == 1 else NEARLY_SHARED_MINORS)
         if not rule.persistent:
             keep &= zeros.how == "chain"
