@@ -367,3 +367,15 @@ def test_minors_of_a_record_are_fitted_over_the_band_whatever_it_predicts(record
     monkeypatch.setattr(chapter, "LARGEST_AHEAD", 0.0)
     assert quiet(record, [0, 4]).options["fitted"] == "numerators"
     assert quiet(record, 0).options["fitted"] == "directions"
+
+
+def test_columns_that_are_not_defined_are_told(record, monkeypatch):
+    import antires_rs.identification.selection as chapter
+
+    def singular(lines, max_order):
+        raise np.linalg.LinAlgError
+
+    monkeypatch.setattr(chapter, "likeliest_columns", singular)
+    with pytest.raises(ar.NumericalError, match="columns of several forces"):
+        quiet(record, [0, 4], fit=ar.FitOptions(formulation="numerators"))
+    assert quiet(record, [0, 4]).options["fitted"] == "directions"

@@ -44,7 +44,7 @@ from ..signals.data_check import ROUGH
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..signals.repeats import as_first
-from ..signals.spectra import FLOOR_LINES, GAIN, LINES, Segments, pieces, second_differences
+from ..signals.spectra import EXACT, FLOOR_LINES, GAIN, LINES, Segments, pieces, second_differences
 from ..support.checks import ComplexArray, Dofs, FloatArray
 from .lines import SNR_CAP, Lines, require_live, unit
 
@@ -156,8 +156,8 @@ def noise_beside(matrix: ComplexArray, start: FloatArray, order: int) -> FloatAr
         values, vectors = subspace(some, scale)
         level = values[:, order:].mean(axis=1)
         quiet = level <= np.median(level)  # beside resonances leakage adds to it
-        level = np.maximum(level[quiet, None], 1e-300)
-        values, vectors = values[quiet, order:] / level, vectors[quiet, :, order:]
+        level = np.maximum(level, EXACT * values[:, 0] + 1e-300)[quiet, None]
+        values, vectors = np.maximum(values[quiet, order:] / level, 0.0), vectors[quiet, :, order:]
         left = np.sum(np.abs(vectors) ** 2 * values[:, None], axis=2)
         share = np.abs(vectors @ vectors.conj().transpose(0, 2, 1)) ** 2
         weight = 1.0 / np.maximum(share.sum(axis=2), LEAST_LEFT)

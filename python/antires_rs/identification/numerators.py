@@ -42,6 +42,9 @@ RIDGES = (1e-13, 1e-11, 1e-9)
 ITERATIONS = 4
 
 
+UNDEFINED = "the spectra leave them undefined; check for channels that are copies or hold no signal"
+
+
 class NumeratorFit:
     """The quadratic form of the weighted direction misfit, factored once for all orders to ``max_order``."""
 
@@ -214,10 +217,7 @@ def _upper(form: FloatArray) -> FloatArray:
         upper, info = dpotrf(ridged.T, lower=0, clean=0, overwrite_a=1)
         if info == 0:
             return np.asarray(upper)
-    raise NumericalError(
-        "the numerators of all responses",
-        "the spectra leave them undefined; check for channels that are copies or hold no signal",
-    )
+    raise NumericalError("the numerators of all responses", UNDEFINED)
 
 
 def solved(upper: FloatArray, right: FloatArray, *, transposed: bool = False) -> FloatArray:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..exceptions import NumericalError
 from ..measured.response_table import ResponseTable
 from ..support.checks import ComplexArray, FloatArray
 from ..support.messages import warn
@@ -25,7 +26,7 @@ from ..support.progress import step
 from .column_fit import likeliest_columns
 from .lines import SNR_CAP, Lines
 from .minors import MinorLines
-from .numerators import WIDEST, Influence, Likeliest, NumeratorSweep, likeliest
+from .numerators import UNDEFINED, WIDEST, Influence, Likeliest, NumeratorSweep, likeliest
 from .options import FitOptions, IdentificationOptions
 from .scores import scored, shared
 from .stabilization import PRESENCE, StabilizationDiagram, Window, diagram
@@ -93,7 +94,10 @@ def likeliest_of(lines: Lines, options: IdentificationOptions) -> Likeliest:
     """The likeliest numerators of all rows; the lines of one window."""
     orders = options.rule.orders((options.rule.min_order, options.most), lines.freq_hz.size)
     if isinstance(lines, MinorLines):
-        return likeliest_columns(lines, orders[-1])
+        try:
+            return likeliest_columns(lines, orders[-1])
+        except np.linalg.LinAlgError:
+            raise NumericalError("the columns of several forces", UNDEFINED) from None
     return likeliest(lines.freq_hz, lines.covariance, SNR_CAP, lines.independent, orders[-1])
 
 
