@@ -159,6 +159,8 @@ def test_zeros_of_a_fit_scatter_by_the_bound():
     assert len(off) > 100
     assert 0.8 < np.sqrt(np.mean(np.square(off))) < 1.2
     assert 0.9 < np.median(stated) < 1.15
+    twice = np.repeat(best.columns[:, :, :1], 2, axis=2)
+    assert best.fit.state(twice).misfit == np.inf  # dependent columns span nothing: no error, no gain
 
 
 def test_the_noise_of_a_channel_that_the_signal_holds_is_told():

@@ -52,7 +52,7 @@ LAST_STEPS, LAST_SETTLED = 20, 1e-6  # of the last fit
 DAMPING, LESS, MORE, LEAST_DAMPING, MOST_DAMPING = 1e-8, 0.05, 20.0, 1e-13, 1e6  # shares of the diagonal
 LEAST_DIAGONAL = 1e-3  # of its mean
 PATIENCE = 2  # degrees without gain after which none is looked for
-LOOSE = 0.1
+LOOSE = 0.1  # share of all coefficients that noise moves a direction by, from which it is not linear
 HIGHER = 16  # degrees above the likeliest over which roots are followed
 
 
@@ -135,7 +135,11 @@ class ColumnFit(NumeratorFit):
         """What columns leave of the subspaces."""
         n = self.on_lines(columns)
         across = n.conj().transpose(0, 2, 1)
-        inverse = np.linalg.solve(across @ n, across)
+        try:
+            inverse = np.linalg.solve(across @ n, across)
+        except np.linalg.LinAlgError:  # columns that are dependent at a line span nothing there
+            none = np.zeros_like(across)
+            return _State(n, none, none @ self._basis, self._basis, np.inf)
         b = inverse @ self._basis
         left = self._basis - n @ b
         misfit = float(np.sum(np.sum(np.abs(left) ** 2, axis=1) * self._worth))
