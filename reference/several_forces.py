@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.linalg
 
 import antires_rs as ar
 from reference.deleted_pencils import antiresonances_hz
+from reference.modal_structures import ModalStructure
 
 #: A value this far from an exact one, as a share of it, is that one.
 SAME = 0.01
@@ -24,6 +26,15 @@ def modal_record(structure, forces, duration_s, noise, rng):
     x = np.fft.irfft(structure.sensors @ modal, 2 * n)[:, n // 2 : n // 2 + n]
     x += noise * x.std(axis=1, keepdims=True) * rng.standard_normal(x.shape)
     return ar.Recording(x, structure.fs_hz)
+
+
+def modes_of(model, damping_ratio, band_hz, fs_hz):
+    """A chain with all masses measured, by its modes; no place of a force is that of the structure."""
+    stiffness, mass = (np.asarray(matrix) for matrix in (model.stiffness(), model.mass()))
+    squares, shapes = scipy.linalg.eigh(stiffness, mass)
+    freq_hz = np.maximum(np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi), 1e-3)
+    damping = np.full(freq_hz.size, damping_ratio)
+    return ModalStructure("chain", freq_hz, damping, shapes, shapes[0], shapes[:1], 0, band_hz, fs_hz)
 
 
 def record_of(model, forces, duration_s, noise, rng, *, fs_hz=400.0, damping_ratio=0.01, levels=None):
@@ -64,8 +75,11 @@ def verdict(zeros, stiffness, mass, band_hz):
     return verdict_of(zeros, exact, band_hz)
 
 
-def verdict_of(zeros, exact_of, band_hz, damped_of=None):
-    """The same with exact roots by the set of responses; values at ``damped_of`` are not false either."""
+def verdict_of(zeros, exact_of, band_hz, damped_of=None, held_of=None):
+    """The same with exact roots by the set of responses; values at ``damped_of`` are not false either.
+
+    ``held_of`` (rows, exact) has what intervals are to hold, values with their damping.
+    """
     low, high = band_hz
     there = found = 0
     deviations, off, missed, invented = [], [], [], []
@@ -73,14 +87,15 @@ def verdict_of(zeros, exact_of, band_hz, damped_of=None):
         exact = exact_of(pair)
         inside = exact[(exact > low) & (exact < high)]
         there += inside.size
-        for value in inside.tolist():
+        with_damping = inside if held_of is None else held_of(pair, inside)
+        for value, damped in zip(inside.tolist(), with_damping.tolist(), strict=True):
             distance = np.abs(got / value - 1.0)
             if not distance.size or distance.min() > SAME:
                 missed.append((pair, value))
                 continue
             found, at = found + 1, int(distance.argmin())
             off.append(got[at] / value - 1.0)
-            deviations.append((got[at] - value) / zeros.tables[pair].std_hz[at])
+            deviations.append((got[at] - damped) / zeros.tables[pair].std_hz[at])
         there_too = exact if damped_of is None else np.append(exact, damped_of(pair))
         invented += [(pair, f) for f in got.tolist() if np.abs(there_too / f - 1.0).min(initial=1.0) > SAME]
     return Verdict(there, found, len(invented), np.array(deviations), np.array(off), missed, invented)

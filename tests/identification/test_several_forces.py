@@ -7,14 +7,16 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.identification import minors
-from antires_rs.identification.minors import Subspaces, minors_of, subspace, tangents
+from antires_rs.identification.column_fit import likeliest_columns
+from antires_rs.identification.minors import MinorLines, Subspaces, minors_of, subspace, tangents
 from antires_rs.identification.selection import _joined, order_scatter
 from antires_rs.identification.stability import looks_of
 from antires_rs.signals.averaging import Averaging, average
 from antires_rs.signals.repeats import one_source
 from antires_rs.signals.spectra import Segments
 from reference.deleted_pencils import antiresonances_hz
-from reference.several_forces import record_of, verdict
+from reference.forces_bound import Bound, Receptances, information, inverse
+from reference.several_forces import modes_of, record_of, verdict
 from tests.support.refusals import refused, unsuitable
 
 BAND = (3.0, 130.0)
@@ -96,6 +98,82 @@ def test_noise_of_minors_is_that_of_many_records(order):
     assert np.mean(np.sum(np.abs(error) ** 2, axis=1)) == pytest.approx(total, rel=0.05)
 
 
+# -- How well values can be known, and are
+
+SMALL = ar.MassSpringChain([1.0, 0.8, 1.2, 0.9, 1.1], [4e4, 3e4, 5e4, 3.5e4], ground_first_n_per_m=2e4)
+STILL = [np.asarray(matrix) for matrix in (SMALL.stiffness(), SMALL.mass())]
+STRUCTURE = modes_of(SMALL, 0.01, (5.0, 70.0), 200.0)
+
+
+def test_the_bound_is_that_of_the_whole_likelihood():
+    """The formula of Slepian and Bangs with the spectra of the forces, unknown at every line, eliminated."""
+    exact, noise = Receptances(STRUCTURE, (0, 3)), np.array([0.5, 1.0, 2.0, 1.5, 0.8]) * 1e-3
+    freq_hz, looks = np.linspace(6.0, 65.0, 9), 7.0
+    units = [
+        np.array(one) for one in ([[1, 0], [0, 0]], [[0, 0], [0, 1]], [[0, 1], [1, 0]], [[0, 1j], [-1j, 0]])
+    ]
+    total = 0.0
+    for f in freq_hz:
+        a, d = exact.at(2j * np.pi * f), exact.by_parameters(2j * np.pi * f)
+        s = a @ a.conj().T + np.diag(noise)
+        changes = [one @ a.conj().T + a @ one.conj().T for one in d]
+        changes += [a @ one @ a.conj().T for one in units]
+        white = [np.linalg.solve(s, one) for one in changes]
+        j = looks * np.array([[np.trace(p @ q).real for q in white] for p in white])
+        t = len(d)
+        total = total + j[:t, :t] - j[:t, t:] @ np.linalg.solve(j[t:, t:], j[t:, :t])
+    of_module = information(exact, freq_hz, noise, looks)
+    assert np.abs(of_module - total).max() < 1e-9 * np.abs(total).max()
+
+
+def test_zeros_of_a_fit_scatter_by_the_bound():
+    """And what a fit states is what they scatter by; ten records in white noise."""
+    freq_hz, looks, noise = np.linspace(5.0, 70.0, 500), 60, np.full(5, 0.1)
+    bound = Bound(STRUCTURE, (0, 2), 1.0, 0.0)
+    bound.covariance = inverse(information(bound.exact, freq_hz, noise, looks))
+    a = bound.exact.at(2j * np.pi * freq_hz) / np.sqrt(noise)[:, None]
+    rows, rng, off, stated = rows_of(5, 2), np.random.default_rng(20), [], []
+
+    def circular(*shape):
+        return (rng.standard_normal(shape) + 1j * rng.standard_normal(shape)) / np.sqrt(2)
+
+    for _ in range(10):
+        segments = Segments.of(a @ circular(500, 2, looks) + circular(500, 5, looks))
+        some = Subspaces(freq_hz, *subspace(segments.matrix, np.ones(5)), segments, 2)
+        lines = MinorLines(
+            freq_hz, some.minors(rows).T, 1.0 / some.noise, 0.0, segments, order=2, subspaces=some, rows=rows
+        )
+        best = likeliest_columns(lines, 40)
+        influence = best.influence(lines)
+        assert best.misfit == pytest.approx(some.by_noise(slice(None), 1.0), rel=0.1)
+        for row, pair in enumerate(rows):
+            exact_hz = antiresonances_hz(*STILL, list(pair), [0, 2])
+            if exact_hz is None or not exact_hz.size:
+                continue
+            s = best.fit.zeros(best.coefficients[:, row])
+            s = s[s.imag > 0.0]
+            for hz, std in zip(bound.damped_hz(pair, exact_hz), bound.std_hz(pair, exact_hz), strict=True):
+                at = np.argmin(np.abs(np.abs(s) / (2 * np.pi) - hz))
+                off.append((abs(s[at]) / (2 * np.pi) - hz) / std)
+                stated.append(influence.standard_deviations(row, s[[at]])[0] / std)
+    assert len(off) > 100
+    assert 0.8 < np.sqrt(np.mean(np.square(off))) < 1.2
+    assert 0.9 < np.median(stated) < 1.15
+    twice = np.repeat(best.columns[:, :, :1], 2, axis=2)
+    assert best.fit.state(twice).misfit == np.inf  # dependent columns span nothing: no error, no gain
+
+
+def test_the_noise_of_a_channel_that_the_signal_holds_is_told():
+    """A first guess of 40 times as much, as a second force gives, is mended."""
+    rng, noise = np.random.default_rng(4), np.array([1.0, 1.5, 0.7, 1.2, 2.0, 0.9])
+    signal = np.linalg.qr(rng.standard_normal((300, 6, 2)) + 1j * rng.standard_normal((300, 6, 2)))[0]
+    signal[:, 0] *= 6.0
+    x = 30.0 * signal @ (rng.standard_normal((300, 2, 80)) + 1j * rng.standard_normal((300, 2, 80)))
+    x += np.sqrt(noise)[:, None] * (rng.standard_normal(x.shape) + 1j * rng.standard_normal(x.shape))
+    found = minors.noise_beside(Segments.of(x).matrix, noise * np.array([40.0, 1, 1, 1, 1, 1]), 2)
+    assert found / found.mean() == pytest.approx(noise / noise.mean(), rel=0.15)
+
+
 # -- What is found
 
 
@@ -143,16 +221,6 @@ def test_one_place_in_a_list_is_one_force():
     assert quiet(record, [0]) == quiet(record, 0)
 
 
-def test_parts_agree_with_one_fit(record, zeros, monkeypatch):
-    monkeypatch.setattr(minors, "IN_ONE_FIT", 14)
-    monkeypatch.setattr(minors, "ANCHORS", 6)
-    parts = quiet(record, [0, 4])
-    assert set(parts) == set(zeros)
-    said = verdict(parts, STIFFNESS, MASS, BAND)
-    assert said.found >= 64
-    assert said.false <= 2
-
-
 def test_values_are_followed(record, zeros):
     again = quiet(record_of(CHAIN, (0, 4), 240.0, 0.01, 4), [0, 4], near=zeros)
     assert sum(map(len, again.values())) >= 0.9 * sum(map(len, zeros.values()))
@@ -193,6 +261,15 @@ def test_curves_measured_one_force_after_the_other(kind):
     assert found.channels == tuple(range(8))
 
 
+def test_parts_of_curves_agree_with_one_fit(monkeypatch):
+    columns = [frfs(place, np.arange(1, 1200) * 0.125, "frf") for place in (0, 4)]
+    monkeypatch.setattr(minors, "IN_ONE_FIT", 14)
+    monkeypatch.setattr(minors, "ANCHORS", 6)
+    said = verdict(quiet(columns, [0, 4]), STIFFNESS, MASS, BAND)
+    assert said.found >= 64
+    assert said.false <= 2
+
+
 @pytest.mark.parametrize(("hits", "least"), [(0, 66), (2, 25), (4, 66)])
 def test_records_of_one_force_after_the_other(hits, least):
     """Pooled, their spectra have the rank of their number; two hits at each place are few."""
@@ -210,7 +287,7 @@ def test_noise_of_as_many_minors_as_channels_is_that_of_minors():
     hits = [ar.Recording(one.responses[[1, 3, 6]], 400.0, [1, 3, 6]) for one in every]
     averages = average(one_source(hits), BAND, Averaging().checked())
     made = minors.MinorsOfRecord(averages.rec, averages, 2)
-    look = looks_of(averages, BAND, made.directions_of(np.arange(3)))[0]
+    look = looks_of(averages, BAND, made.directions)[0]
     assert look.noise.shape[1] == 3
     np.testing.assert_allclose(look.noise, look.noise[:, :1] * np.ones(3), rtol=1e-12)
 
@@ -279,3 +356,15 @@ def test_minors_of_a_record_are_fitted_over_the_band_whatever_it_predicts(record
     monkeypatch.setattr("antires_rs.identification.identify.LARGEST_AHEAD", 0.0)
     assert quiet(record, [0, 4]).options["fitted"] == "numerators"
     assert quiet(record, 0).options["fitted"] == "directions"
+
+
+def test_columns_that_are_not_defined_are_told(record, monkeypatch):
+    import antires_rs.identification.selection as chapter
+
+    def singular(lines, max_order):
+        raise np.linalg.LinAlgError
+
+    monkeypatch.setattr(chapter, "likeliest_columns", singular)
+    with pytest.raises(ar.NumericalError, match="columns of several forces"):
+        quiet(record, [0, 4], fit=ar.FitOptions(formulation="numerators"))
+    assert quiet(record, [0, 4]).options["fitted"] == "directions"

@@ -93,7 +93,8 @@ def diagrams_of(
     if options.formulation == "directions":
         found = dict(zip(dofs, direction_diagrams(looks, first, len(dofs), band, options), strict=True))
     elif options.formulation == "windows":
-        found = dict(zip(dofs, local_diagrams(first, len(dofs), band, options), strict=True))
+        curves = first if first.order == 1 else replace(first, segments=None)  # which are not of minors
+        found = dict(zip(dofs, local_diagrams(curves, len(dofs), band, options), strict=True))
     elif options.formulation == "numerators":
         cut = windows(first.freq_hz, band)
         lines = [first.part(w.first, w.last) for w in cut]
@@ -189,11 +190,10 @@ def settled(
         formulation = "numerators"
         try:
             fits = [likeliest_of(part, options) for part in cut]
-            if fits:
+            # Local fits take what a strong mode leaks into the other directions of minors for zeros.
+            if fits and lines.order == 1:
                 misfit = misfit_ahead(list(zip(cut, fits, strict=True)))
-                # Local fits take what a strong mode leaks into the other directions of minors for zeros.
-                ahead = misfit <= LARGEST_AHEAD or lines.order > 1
-                formulation = "numerators" if ahead else "directions"
+                formulation = "numerators" if misfit <= LARGEST_AHEAD else "directions"
         except (NumericalError, InvalidInputError):
             formulation = "directions"
     if formulation == "directions":
@@ -567,15 +567,7 @@ def _parts(
     assert isinstance(source, Recording)
     assert averages is not None
     minors = MinorsOfRecord(source, averages, len(excitation))
-    return [
-        _Part(
-            tuple(minors.dofs[k] for k in group),
-            minors.lines_of(group),
-            minors.directions_of(group),
-            minors.silent,
-        )
-        for group in minors.groups
-    ]
+    return [_Part(minors.dofs, lambda _: minors.lines, minors.directions, minors.silent)]
 
 
 def _source_of(source: Any, excitation: Any, options: IdentificationOptions) -> Any:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,7 +68,7 @@ class Lines:
     least_snr: float = 0.0
     order: int = 1
 
-    def part(self, first: int, last: int) -> Lines:
+    def part(self, first: int, last: int) -> Self:
         """Some of the lines."""
         inside = slice(first, last)
         return replace(

@@ -16,9 +16,9 @@ Noise. With channels scaled to equal noise and S = V diag(l) V^H, a change dS mo
     dv_j = sum_i v_i e_ij,      e_ij = v_i^H dS v_j / (l_j - l_i),      i in the noise, j <= r,
 
 and the vector of minors by sum e_ij T_ij, T_ij the minors of U with column j replaced by v_i: to first order,
-all of it orthogonal to P, and the T_ij are orthonormal. So e_ij of one segment x, with dS = x x^H, tells what
-that segment would move the minors by (the errors of zeros follow from it, as for one force), and its mean
-square l_i l_j / (l_j - l_i)^2 what the line is worth.
+all of it orthogonal to P, and the T_ij are orthonormal. The mean square l_i l_j / (l_j - l_i)^2 of e_ij tells
+what the line is worth, and which minors are more than noise. A record is fitted by its subspaces
+(:mod:`~antires_rs.identification.column_fit`), curves by their minors.
 
 Sources: C. G. J. Jacobi, J. reine angew. Math. 22 (1841) 285-318 (minors of the inverse); W. V. D. Hodge and
 D. Pedoe, Methods of Algebraic Geometry I, Cambridge 1947, ch. VII (coordinates of a subspace); T. W.
@@ -29,9 +29,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations
 from math import comb
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,10 +44,9 @@ from ..signals.data_check import ROUGH
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..signals.repeats import as_first
-from ..signals.spectra import FLOOR_LINES, GAIN, LEAST_NOISE, LINES, Segments, pieces, second_differences
+from ..signals.spectra import EXACT, FLOOR_LINES, GAIN, LINES, Segments, pieces, second_differences
 from ..support.checks import ComplexArray, Dofs, FloatArray
-from .lines import Lines, require_live, unit
-from .stability import Directions
+from .lines import SNR_CAP, Lines, require_live, unit
 
 MOST_FORMED = 200_000  # of more no choice is made
 IN_ONE_FIT, ANCHORS = 64, 12  # rows of one fit; of several fits those that all have, the strongest
@@ -55,17 +55,24 @@ LEAST_SNR = 4.0  # a line below it has no subspace of r dimensions by which a fi
 # A minor is none if it is not so many times its noise in power, or this share of the typical one, which
 # leaves leakage out. Of minors that are zero the ratio was 0.7 to 0.9, and without noise 2e-4 of the typical.
 LEAST_RATIO, SILENT_SHARE = 10.0, 3e-4
-PASSES = 4  # passes of "subspace, residual noise of each channel, scale"
+PASSES = 8  # passes of "subspace, residual noise of each channel, scale"
+LEAST_LEFT, LEAST_CHANGE = 1e-3, 0.05  # of a channel beside the signal; of its noise in one pass
 LEAST_GAP = 0.25  # a signal eigenvalue counts as no nearer to the noise than this share of itself
 
 
 def minors_of(basis: ComplexArray, rows: NDArray[np.intp]) -> ComplexArray:
     """Determinants of some rows, (..., n_minors), of bases (..., n, r); ``rows`` are (n_minors, r)."""
-    order = rows.shape[1]
-    some = [basis[..., rows[:, k], :] for k in range(order)]
-    if order == 2:
-        return np.asarray(some[0][..., 0] * some[1][..., 1] - some[0][..., 1] * some[1][..., 0])
-    return np.asarray(np.linalg.det(np.stack(some, axis=-2)))
+    return _determinants([basis[..., rows[:, k], :] for k in range(rows.shape[1])])
+
+
+def _determinants(rows: list[ComplexArray]) -> ComplexArray:
+    """By the first row: for the few columns there are quicker than a factorization of each."""
+    if len(rows) == 1:
+        return rows[0][..., 0]
+    total = np.zeros(rows[0].shape[:-1], dtype=np.complex128)
+    for k in range(len(rows)):
+        total += (-1.0) ** k * rows[0][..., k] * _determinants([np.delete(one, k, -1) for one in rows[1:]])
+    return total
 
 
 def tangents(basis: ComplexArray, others: ComplexArray, rows: NDArray[np.intp]) -> ComplexArray:
@@ -136,19 +143,27 @@ def subspace(matrix: ComplexArray, scale: FloatArray) -> tuple[FloatArray, Compl
 
 
 def noise_beside(matrix: ComplexArray, start: FloatArray, order: int) -> FloatArray:
-    """Relative noise power of every channel: what r vectors leave of the diagonal, (n_channels,)."""
+    """Relative noise power of every channel, (n_channels,).
+
+    With P = (p_ij) on the eigenvectors beyond r the diagonal of P S P is sum_j abs(p_ij)^2 N_j, and N is what
+    fits all lines: a channel that the signal nearly fills shows little of its own noise, but that of others.
+    """
+    from scipy.optimize import nnls  # slow to import
+
     some = matrix[:: max(1, len(matrix) // LINES)]
-    auto = np.einsum("fii->fi", some).real
-    first = np.where(start > 0.0, start, 1.0)
-    scale = first
+    scale = np.where(start > 0.0, start, 1.0)
     for _ in range(PASSES):
         values, vectors = subspace(some, scale)
-        rest = values[:, order:].mean(axis=1)
-        taken = np.abs(vectors[:, :, :order]) ** 2 @ (values[:, :order] - rest[:, None])[:, :, None]
-        left = auto / scale - taken[:, :, 0]
-        share = np.median(left / np.maximum(np.abs(left).mean(axis=1, keepdims=True), 1e-300), axis=0)
-        scale = scale * share / max(float(share.mean()), 1e-300)
-        scale = np.maximum(scale, LEAST_NOISE * first * float(np.median(scale / first)))
+        level = values[:, order:].mean(axis=1)
+        quiet = level <= np.median(level)  # beside resonances leakage adds to it
+        level = np.maximum(level, EXACT * values[:, 0] + 1e-300)[quiet, None]
+        values, vectors = np.maximum(values[quiet, order:] / level, 0.0), vectors[quiet, :, order:]
+        left = np.sum(np.abs(vectors) ** 2 * values[:, None], axis=2)
+        share = np.abs(vectors @ vectors.conj().transpose(0, 2, 1)) ** 2
+        weight = 1.0 / np.maximum(share.sum(axis=2), LEAST_LEFT)
+        share = (share * weight[:, :, None]).reshape(-1, scale.size)
+        change = nnls(share.T @ share, share.T @ (left * weight).ravel())[0]
+        scale = scale * np.maximum(change / max(float(change.mean()), 1e-300), LEAST_CHANGE)
     return np.asarray(scale)
 
 
@@ -178,6 +193,41 @@ class Subspaces:
         """l_j - l_i of the module, (n_freq, n - r, r); no smaller than a share of l_j."""
         signal, noise = self.values[:, None, : self.order], self.values[:, self.order :, None]
         return np.maximum(signal - noise, LEAST_GAP * signal)
+
+    @property
+    def above(self) -> FloatArray:
+        """Signal of the r largest eigenvalues, l - 1, (n_freq, r); no smaller than a share of l."""
+        signal = self.values[:, : self.order]
+        return np.asarray(np.maximum(signal - 1.0, LEAST_GAP * signal))
+
+    @property
+    def snr(self) -> FloatArray:
+        """Their power over that of what noise turns them by, (n_freq, r)."""
+        return np.asarray(self.above**2 / self.values[:, : self.order])
+
+    @property
+    def worth(self) -> FloatArray:
+        """Their weights in a fit of the subspaces, (n_freq, r); leakage never rules."""
+        return np.asarray(self.snr / (1.0 + self.snr / SNR_CAP))
+
+    def by_noise(self, lines: slice, averages_ratio: float) -> float:
+        """What noise makes of the misfit of the subspaces, under these weights."""
+        if self.segments is None:
+            return 1e-300
+        count = self.segments.count / averages_ratio
+        over = self.worth[lines] / self.snr[lines]
+        return float((self.vectors.shape[1] - self.order) * np.sum(over)) / count
+
+    def part(self, lines: slice) -> Subspaces:
+        """Some of the lines."""
+        segments = None if self.segments is None else self.segments.part(lines)
+        return replace(
+            self,
+            freq_hz=self.freq_hz[lines],
+            values=self.values[lines],
+            vectors=self.vectors[lines],
+            segments=segments,
+        )
 
     @property
     def noise(self) -> FloatArray:
@@ -213,33 +263,33 @@ def subspaces(averages: Averages, order: int) -> Subspaces:
     return Subspaces(spectra.freq_hz, values / floor[:, None], vectors, segments, order)
 
 
-def lines_of_minors(averages: Averages, some: Subspaces, rows: NDArray[np.intp]) -> Lines:
-    """The vectors of some minors, with what each segment would move them by as segments of unit noise."""
-    spectra = averages.spectra
+@dataclass(frozen=True, kw_only=True)
+class MinorLines(Lines):
+    """Minors of the ``rows`` (n_minors, r) of ``subspaces``; the segments are those of the channels."""
+
+    subspaces: Subspaces
+    rows: NDArray[np.intp]
+
+    def part(self, first: int, last: int) -> Self:
+        """Some of the lines."""
+        return replace(super().part(first, last), subspaces=self.subspaces.part(slice(first, last)))
+
+
+def lines_of_minors(averages: Averages, some: Subspaces, rows: NDArray[np.intp]) -> MinorLines:
+    """The vectors of some minors, with the subspaces that they are of."""
     vectors = some.minors(rows)
-    snr = 1.0 / some.noise
-    size = np.sqrt(snr)[:, None]
-    count = spectra.n_averages
-    segments = None
-    if some.segments is not None and count >= 2:
-        moved = np.empty((*vectors.shape, count), dtype=np.complex64)
-        matrix = np.empty((len(vectors), len(rows), len(rows)), dtype=np.complex128)
-        for lines in pieces(len(vectors), len(rows) * (count + some.vectors.shape[1] * some.order)):
-            own = size[lines, :, None] * (vectors[lines, :, None] + some.moves(rows, lines))
-            moved[lines] = own
-            matrix[lines] = own.conj() @ own.transpose(0, 2, 1) / count
-        ones = np.ones(vectors.shape)
-        segments = Segments(moved, matrix, ones, ones)
     share = np.sum(np.abs(vectors) ** 2, axis=1)  # of all minors, some of which may be left out
-    return Lines(
-        spectra.freq_hz,
+    return MinorLines(
+        some.freq_hz,
         unit(vectors.T),
-        snr * share,
-        spectra.added_decay_per_s,
-        segments,
+        share / some.noise,
+        averages.spectra.added_decay_per_s,
+        some.segments if averages.spectra.n_averages >= 2 else None,
         *averages.scatter,
         least_snr=LEAST_SNR,
         order=some.order,
+        subspaces=some,
+        rows=rows,
     )
 
 
@@ -269,7 +319,6 @@ class MinorsOfRecord:
             raise UnsuitableDataError("source", got, "two or more, which are compared", remedy)
         self.dofs, self._rows = tuple(named.dofs[k] for k in heard), named.rows[heard]
         self.silent = tuple(dof for k, dof in enumerate(named.dofs) if k not in heard)
-        self.groups = groups(size(self._rows))
 
     def _heard(self, rows: NDArray[np.intp], some: slice) -> NDArray[np.bool_]:
         """Which minors are more than noise at the median line that tells anything.
@@ -285,31 +334,20 @@ class MinorsOfRecord:
         middle = np.median(ratio[known], axis=0)
         return np.asarray(middle > max(LEAST_RATIO, SILENT_SHARE * float(np.median(middle))))
 
-    def lines_of(self, group: NDArray[np.intp]) -> Callable[[int], Lines]:
-        """Lines of some minors, made once; for any row the same."""
-        made: list[Lines] = []
+    @cached_property
+    def lines(self) -> MinorLines:
+        """Lines of the minors."""
+        return lines_of_minors(self._averages, self._subspaces, self._rows)
 
-        def lines(_: int) -> Lines:
-            if not made:
-                made.append(lines_of_minors(self._averages, self._subspaces, self._rows[group]))
-            return made[0]
-
-        return lines
-
-    def directions_of(self, group: NDArray[np.intp]) -> Directions:
+    def directions(
+        self, matrix: ComplexArray, scale: FloatArray
+    ) -> tuple[FloatArray, FloatArray, ComplexArray]:
         """The same minors in other spectra, as ``dominant`` gives the direction of all responses."""
-        order, rows = self._subspaces.order, self._rows[group]
-
-        def directions(
-            matrix: ComplexArray, scale: FloatArray
-        ) -> tuple[FloatArray, FloatArray, ComplexArray]:
-            values, vectors = subspace(matrix, scale)
-            made = Subspaces(np.empty(0), values, vectors, None, order)
-            floor = floor_of(values, order)
-            signal = 1.0 / replace(made, values=values / floor[:, None]).noise
-            return signal * floor, floor, unit(made.minors(rows), axis=1)
-
-        return directions
+        values, vectors = subspace(matrix, scale)
+        made = Subspaces(np.empty(0), values, vectors, None, self._subspaces.order)
+        floor = floor_of(values, made.order)
+        signal = 1.0 / replace(made, values=values / floor[:, None]).noise
+        return signal * floor, floor, unit(made.minors(self._rows), axis=1)
 
 
 # -- The minors of curves that were measured one force after the other: FRFs are columns of H, and of

@@ -42,8 +42,13 @@ RIDGES = (1e-13, 1e-11, 1e-9)
 ITERATIONS = 4
 
 
+UNDEFINED = "the spectra leave them undefined; check for channels that are copies or hold no signal"
+
+
 class NumeratorFit:
     """The quadratic form of the weighted direction misfit, factored once for all orders to ``max_order``."""
+
+    step = 1  #: From one order to the next.
 
     def __init__(
         self,
@@ -53,65 +58,31 @@ class NumeratorFit:
         weights: FloatArray,
         max_order: int,
     ) -> None:
-        self.scale_hz = float(freq_hz[-1])
         self.n = covariance(slice(0, 1)).shape[1]
-        self.max_order = max_order
+        self._lay(freq_hz, weights, max_order, 2 * max_order)
+        self._factor(form_of(self.whole, self.weights, covariance, largest, max_order + 1), self.n)
+
+    def _lay(self, freq_hz: FloatArray, weights: FloatArray, max_order: int, degree: int) -> None:
+        """Lay the polynomials on the lines up to ``degree``, of which solutions have ``max_order``."""
+        self.scale_hz, self.max_order = float(freq_hz[-1]), max_order
         self.weights = weights / weights.sum()
-        whole = forsythe_basis(freq_hz / self.scale_hz, self.weights, 2 * max_order)
+        self.whole = forsythe_basis(freq_hz / self.scale_hz, self.weights, degree)
         terms = max_order + 1
-        self.basis = Basis(whole.b[:terms], whole.p[:, :terms])
+        self.basis = Basis(self.whole.b[:terms], self.whole.p[:, :terms])
         # i^k times a polynomial is real for even k and imaginary for odd k, with these signs.
         self._even, self._odd = (np.ascontiguousarray(self.basis.p[:, parity::2]) for parity in (0, 1))
-        self._signs = np.array([1.0, 1.0, -1.0, -1.0])[np.arange(terms) % 4]
-        self.form = self._form(whole, covariance, largest)
-        self._upper = _upper(self.form)
-        self._first = _solved(self._upper, np.eye(self.form.shape[0], self.n))
+        self._signs = _signs(terms)
 
-    def _form(
-        self, whole: Basis, covariance: Callable[[slice], ComplexArray], largest: FloatArray
-    ) -> FloatArray:
-        """A of Q = c' A c, ordered by degree, then by channel; its lower half.
-
-        Its entries are sums over the lines of z phi_i phi_j, z the weighted entries of lam I - C. By
-        b_{i+1} <i+1, j> + b_i <i-1, j> = b_{j+1} <i, j+1> + b_j <i, j-1> all follow from the sums <0, k>.
-        """
-        n, terms, b = self.n, self.max_order + 1, whole.b[:, None]
-        one, other = np.triu_indices(n)
-        z = np.empty((largest.size, one.size), dtype=np.complex128)
-        # Some lines at a time: half of the entries are enough, and all of them are never held.
-        for some in pieces(largest.size, n * n):
-            np.negative(np.take(covariance(some).reshape(-1, n * n), one * n + other, axis=1), out=z[some])
-        z[:, one == other] += largest[:, None]
-        z *= self.weights[:, None]
-        # Even products see the real part of z, odd ones the imaginary part.
-        row = np.empty((2 * terms - 1, one.size))
-        row[0::2] = whole.p[:, 0::2].T @ z.real
-        row[1::2] = whole.p[:, 1::2].T @ z.imag
-        del z
-        row /= whole.b[0]
-        place = np.empty((n, n), dtype=int)
-        place[one, other] = place[other, one] = np.arange(one.size)
-        # Re(i^m z): the real part for even m, the imaginary one, which is antisymmetric, for odd m.
-        signs = self._signs[:, None, None] * np.ones((n, n))
-        signs[1::2] *= np.where(np.arange(n)[:, None] < np.arange(n), 1.0, -1.0)
-        form = np.zeros((terms, n, terms, n))
-        before = np.zeros_like(row)
-        for i in range(terms):  # Row i holds <i, i>, <i, i + 1>, ... only: those before are known.
-            np.multiply(np.take(row[: terms - i], place, axis=1), signs[: terms - i], out=form[i:, :, i])
-            last = i + row.shape[0]
-            after = b[i + 2 : last] * row[2:]
-            after += b[i + 1 : last - 1] * row[:-2]
-            if i:
-                after -= b[i] * before[2:-2]
-            before, row = row, after / whole.b[i + 1]
-        return form.reshape(terms * n, terms * n)
+    def _factor(self, form: FloatArray, n: int) -> None:
+        self.form, self._upper = form, _upper(form)
+        self._first = solved(self._upper, np.eye(form.shape[0], n))
 
     def low(self, order: int) -> FloatArray:
         """Coefficients (order + 1, n) with the largest lowest coefficient for a given misfit."""
         size = (order + 1) * self.n
         first = self._first[:size]
         best = np.linalg.eigh(first.T @ first)[1][:, -1]
-        c = _solved(self._upper[:, :size], first @ best, transposed=True)
+        c = solved(self._upper[:, :size], first @ best, transposed=True)
         return np.asarray(c / np.linalg.norm(c)).reshape(order + 1, self.n)
 
     def likeliest(self, *orders: int) -> list[FloatArray]:
@@ -127,9 +98,9 @@ class NumeratorFit:
         )
         for _ in range(ITERATIONS):
             c[beyond] = 0.0
-            c = _solved(root, c)
+            c = solved(root, c)
             c[beyond] = 0.0
-            c = _solved(root, c, transposed=True)
+            c = solved(root, c, transposed=True)
             c /= np.linalg.norm(c, axis=0)
         return [own[:size].reshape(-1, self.n) for own, size in zip(c.T, sizes, strict=True)]
 
@@ -164,11 +135,17 @@ class NumeratorFit:
 
     def slopes(self, own: FloatArray, s: ComplexArray) -> ComplexArray:
         """Derivatives of simple roots (rad/s) of a numerator by its coefficients, (n_roots, order + 1)."""
-        order = own.size - 1
-        u = s / (2 * np.pi * self.scale_hz)
-        step = 1e-6 * np.abs(u)  # central difference: an error of 1e-12 of what needs three digits
-        change = (self.basis.at(u + step, order) - self.basis.at(u - step, order)) @ own / (2 * step)
-        return np.asarray(-self.basis.at(u, order) / change[:, None] * (2 * np.pi * self.scale_hz))
+        unit = 2 * np.pi * self.scale_hz
+        u = s / unit
+        return np.asarray(-self.basis.at(u, own.size - 1) / self.changes(own, u)[:, None] * unit)
+
+    def changes(self, own: FloatArray, u: ComplexArray) -> ComplexArray:
+        """Derivatives of a numerator at points (in units of 2 pi f_max), (n_points,)."""
+        order, step = own.size - 1, 1e-6 * np.abs(u)
+        # A central difference: an error of 1e-12 of what needs three digits.
+        return np.asarray(
+            (self.basis.at(u + step, order) - self.basis.at(u - step, order)) @ own / (2 * step)
+        )
 
     def dominances(self, c: FloatArray, row: int, s: ComplexArray, others: Sequence[int]) -> FloatArray:
         """Share of each root's own peak in the quotients of ``others`` over ``row`` at its frequency.
@@ -177,6 +154,55 @@ class NumeratorFit:
         """
         above = c[..., list(others)].swapaxes(-1, -2)
         return dominance((self.basis, above), (self.basis, c[..., row]), s / (2 * np.pi * self.scale_hz))
+
+
+def form_of(
+    whole: Basis,
+    weights: FloatArray,
+    covariance: Callable[[slice], ComplexArray],
+    largest: FloatArray,
+    terms: int,
+) -> FloatArray:
+    """A of Q = c' A c, ordered by degree, then by channel; its lower half.
+
+    Its entries are sums over the lines of z phi_i phi_j, z the weighted entries of lam I - C. By
+    b_{i+1} <i+1, j> + b_i <i-1, j> = b_{j+1} <i, j+1> + b_j <i, j-1> all follow from the sums <0, k>.
+    """
+    n, b = covariance(slice(0, 1)).shape[1], whole.b[:, None]
+    one, other = np.triu_indices(n)
+    z = np.empty((largest.size, one.size), dtype=np.complex128)
+    # Some lines at a time: half of the entries are enough, and all of them are never held.
+    for some in pieces(largest.size, n * n):
+        np.negative(np.take(covariance(some).reshape(-1, n * n), one * n + other, axis=1), out=z[some])
+    z[:, one == other] += largest[:, None]
+    z *= weights[:, None]
+    # Even products see the real part of z, odd ones the imaginary part.
+    row = np.empty((2 * terms - 1, one.size))
+    row[0::2] = whole.p[:, 0 : 2 * terms - 1 : 2].T @ z.real
+    row[1::2] = whole.p[:, 1 : 2 * terms - 1 : 2].T @ z.imag
+    del z
+    row /= whole.b[0]
+    place = np.empty((n, n), dtype=int)
+    place[one, other] = place[other, one] = np.arange(one.size)
+    # Re(i^m z): the real part for even m, the imaginary one, which is antisymmetric, for odd m.
+    signs = _signs(terms)[:, None, None] * np.ones((n, n))
+    signs[1::2] *= np.where(np.arange(n)[:, None] < np.arange(n), 1.0, -1.0)
+    form = np.zeros((terms, n, terms, n))
+    before = np.zeros_like(row)
+    for i in range(terms):  # Row i holds <i, i>, <i, i + 1>, ... only: those before are known.
+        np.multiply(np.take(row[: terms - i], place, axis=1), signs[: terms - i], out=form[i:, :, i])
+        last = i + row.shape[0]
+        after = b[i + 2 : last] * row[2:]
+        after += b[i + 1 : last - 1] * row[:-2]
+        if i:
+            after -= b[i] * before[2:-2]
+        before, row = row, after / whole.b[i + 1]
+    return form.reshape(terms * n, terms * n)
+
+
+def _signs(terms: int) -> FloatArray:
+    """Of i^k, for even k the real number and for odd k the imaginary one."""
+    return np.array([1.0, 1.0, -1.0, -1.0])[np.arange(terms) % 4]
 
 
 def _upper(form: FloatArray) -> FloatArray:
@@ -191,13 +217,10 @@ def _upper(form: FloatArray) -> FloatArray:
         upper, info = dpotrf(ridged.T, lower=0, clean=0, overwrite_a=1)
         if info == 0:
             return np.asarray(upper)
-    raise NumericalError(
-        "the numerators of all responses",
-        "the spectra leave them undefined; check for channels that are copies or hold no signal",
-    )
+    raise NumericalError("the numerators of all responses", UNDEFINED)
 
 
-def _solved(upper: FloatArray, right: FloatArray, *, transposed: bool = False) -> FloatArray:
+def solved(upper: FloatArray, right: FloatArray, *, transposed: bool = False) -> FloatArray:
     """Solution with a lower triangular factor or its transpose, which ``upper`` is, or its first columns."""
     from scipy.linalg.lapack import dtrtrs  # slow to import
 
@@ -227,7 +250,7 @@ class NumeratorSweep:
         """All roots in rad/s. There is one solution an order; ``norm`` asks for the same."""
         if order not in self._roots:
             own = self._solution(order)[:, self.row]
-            self._roots[order] = self.fit.zeros(own, self._roots.get(order - 1))
+            self._roots[order] = self.fit.zeros(own, self._roots.get(order - self.fit.step))
         return self._roots[order]
 
     def dominances(self, order: int | NDArray[np.int64], s: ComplexArray) -> FloatArray:
@@ -285,6 +308,10 @@ class Likeliest:
     order: int
     coefficients: FloatArray
     misfit: float
+
+    def influence(self, lines: Lines) -> Influence:
+        """What the draws of these lines would move its zeros by."""
+        return Influence(self, lines)
 
 
 def likeliest(
@@ -448,12 +475,13 @@ class Influence:
     """
 
     def __init__(self, best: Likeliest, lines: Lines) -> None:
-        self.fit, self.c = best.fit, best.coefficients
+        self.fit = best.fit
+        self.c, form, offset = self._unknowns(best)
         self._values = self.fit.values(self.c)
         self._sums: FloatArray | None = None
         self._excess = 1.0
-        values, self._vectors = np.linalg.eigh(self.fit.form[: self.c.size, : self.c.size])
-        gap = values - best.misfit
+        values, self._vectors = np.linalg.eigh(form)
+        gap = values - offset
         # The solution itself, the smallest, is a matter of scale.
         keep = gap > max(UNDETERMINED * values[-1], 1e-300)
         keep[0] = False
@@ -480,19 +508,29 @@ class Influence:
             self._push = (each - each.mean(axis=2, keepdims=True)).reshape(len(each), -1)
             self._scale = 1.0 / (count * (count - 1.0))
 
+    def _unknowns(self, best: Likeliest) -> tuple[FloatArray, FloatArray, float]:
+        """The unknowns, (terms, n_columns), their quadratic form, and mu."""
+        size = best.coefficients.size
+        return best.coefficients, self.fit.form[:size, :size], best.misfit
+
+    def _push_of(self, at: slice, x: ComplexArray) -> ComplexArray:
+        """x x' N less its part along N, (n_lines, n_columns, n_draws), of draws at some lines."""
+        n = self._values[at]
+        along = n.conj()[:, None, :] @ x
+        length = np.sum(np.abs(n) ** 2, axis=1)[:, None, None]
+        part = x * along.conj()
+        part -= n[:, :, None] * (np.abs(along) ** 2 / length)
+        return part
+
     def _pushed(self, draws: Callable[[slice], ComplexArray], lines: slice, n_draws: int) -> FloatArray:
-        """Products of the polynomials with x x' N less its part along N, (n_coefficients, n_draws).
+        """Products of the polynomials with what draws push by, (n_coefficients, n_draws).
 
         Summed over some lines; the draws x at lines are (n_lines, n, n_draws).
         """
         total = np.zeros((self.c.shape[0], self.c.shape[1] * n_draws))
         for some in pieces(lines.stop - lines.start, self._values.shape[1] * n_draws):
             at = slice(lines.start + some.start, lines.start + some.stop)
-            n, x = self._values[at], draws(at)
-            along = n.conj()[:, None, :] @ x
-            length = np.sum(np.abs(n) ** 2, axis=1)[:, None, None]
-            part = x * along.conj()
-            part -= n[:, :, None] * (np.abs(along) ** 2 / length)
+            part = self._push_of(at, draws(at))
             total += self.fit.projected(part.reshape(len(part), -1), self.c.shape[0] - 1, at)
         return total.reshape(self.c.size, -1)
 
@@ -521,19 +559,23 @@ class Influence:
         self, row: int | FloatArray, s: ComplexArray, means: FloatArray | None = None
     ) -> tuple[FloatArray, FloatArray]:
         """Variances in Hz^2 from the scatter inside the draws, and from that between them (0 for one)."""
-        weights = np.eye(self.c.shape[1])[row] if isinstance(row, int) else row
-        slope = self.fit.slopes(self.c @ weights, s)
+        slope = self._slopes(row, s)
         if means is not None:
             s, slope = means @ s, means @ slope
         by_size = (slope * s.conj()[:, None]).real / np.abs(s)[:, None]
-        gradient = by_size[:, :, None] * weights
-        flat = gradient.reshape(s.size, self.c.size) @ self._vectors
+        flat = by_size @ self._vectors
         moves = (flat * self._inverse) @ self._vectors.T / (2 * np.pi)
         within = self._scale * np.sum((moves @ self._push) ** 2, axis=1)
         if self._sums is None:
             return within, np.zeros(s.size)
         n = self._sums.shape[1]
         return within, n / (n - 1.0) * np.sum((moves @ self._sums) ** 2, axis=1)
+
+    def _slopes(self, row: int | FloatArray, s: ComplexArray) -> ComplexArray:
+        """Derivatives of zeros of one row, or of a weighted sum, by the unknowns, (n_zeros, n_unknowns)."""
+        weights = np.eye(self.c.shape[1])[row] if isinstance(row, int) else row
+        slope = self.fit.slopes(self.c @ weights, s)
+        return np.asarray((slope[:, :, None] * weights).reshape(s.size, self.c.size))
 
 
 # -- Whether the fit predicts what it has not seen, to the noise that the segments tell

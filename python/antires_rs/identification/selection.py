@@ -18,12 +18,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..exceptions import NumericalError
 from ..measured.response_table import ResponseTable
 from ..support.checks import ComplexArray, FloatArray
 from ..support.messages import warn
 from ..support.progress import step
+from .column_fit import likeliest_columns
 from .lines import SNR_CAP, Lines
-from .numerators import WIDEST, Influence, Likeliest, NumeratorSweep, likeliest
+from .minors import MinorLines
+from .numerators import UNDEFINED, WIDEST, Influence, Likeliest, NumeratorSweep, likeliest
 from .options import FitOptions, IdentificationOptions
 from .scores import scored, shared
 from .stabilization import PRESENCE, StabilizationDiagram, Window, diagram
@@ -33,7 +36,7 @@ from .stabilization import PRESENCE, StabilizationDiagram, Window, diagram
 # That a curve of finite resolution is not a rational function of the chosen order does not scatter from
 # segment to segment: it shows in how far a zero moves when the order is raised by one to four.
 
-ABOVE = (1, 2, 3, 4)  # orders above the likeliest that are compared with it
+ABOVE = 4  # orders above the likeliest that are compared with it
 LARGEST = 3.0  # the largest shift over the next, at most
 SAME_ROOT = 0.01  # a root further off than this share of the frequency is another one
 # What no order shows of it, in line spacings, in minors; from chain8 without noise, forces (0, 4), two seeds.
@@ -76,6 +79,9 @@ LEAST_DAMPING, MOST_NEGATIVE, RIGHT_DOMINANCE = 5e-4, 0.01, 0.9
 # Two zeros of one modulus, whose frequencies differ by less than this share of the difference of their
 # damping ratios, are the halves of one that is complex without damping; at least so far apart in damping.
 PAIR, PAIR_DAMPING = 0.5, 0.004
+# Minors of many modes have roots of any damping: halves lie evenly about the damping of a structure, at most
+# so large or this share of their distance.
+PAIR_MIDDLE, PAIR_OFF, MOST_NEGATIVE_MINORS = 0.02, 0.25, 0.03
 # Roots with this share of the curve, and up to WIDEST of damping, may be the other half of such a pair.
 OTHER_HALF = 0.02
 # A zero that owns less than this share of its curve, or is this near to a root that all responses share, is
@@ -87,6 +93,11 @@ NEARLY_SHARED_MINORS = 0.01  # of many sets of responses most have roots that ot
 def likeliest_of(lines: Lines, options: IdentificationOptions) -> Likeliest:
     """The likeliest numerators of all rows; the lines of one window."""
     orders = options.rule.orders((options.rule.min_order, options.most), lines.freq_hz.size)
+    if isinstance(lines, MinorLines):
+        try:
+            return likeliest_columns(lines, orders[-1])
+        except np.linalg.LinAlgError:
+            raise NumericalError("the columns of several forces", UNDEFINED) from None
     return likeliest(lines.freq_hz, lines.covariance, SNR_CAP, lines.independent, orders[-1])
 
 
@@ -95,8 +106,10 @@ def select(
 ) -> list[StabilizationDiagram]:
     """One diagram for each of the first ``n_responses`` rows of ``lines``, of which ``best`` is the fit."""
     rule, keep_common = replace(options.rule, both_sides=True), options.rule.keep_common
-    above = [best.order + k for k in ABOVE if best.order + k <= best.fit.max_order]
-    if len(above) < len(ABOVE):
+    unit = best.fit.step
+    above = range(best.order + unit, best.order + max(ABOVE, 2 * unit) + 1, unit)
+    if above[-1] > best.fit.max_order:
+        above = range(above.start, best.fit.max_order + 1, unit)
         # There are hardly any orders above the likeliest, which may be beyond them.
         named = best.fit.max_order == options.max_order
         remedy = "Leave max_order out, or raise it" if named else "Narrow the band, or record longer"
@@ -107,8 +120,8 @@ def select(
             f"hardly below the highest that is fitted, {best.fit.max_order}; antiresonances may be missing "
             f"or wrong. {remedy}.",
         )
-    orders = range(rule.min_order, best.fit.max_order + 1)
-    influence = Influence(best, lines.by_test())
+    orders = range(-(-rule.min_order // unit) * unit, best.fit.max_order + 1, unit)
+    influence = best.influence(lines.by_test())
     # The force, if it is there, has the poles for zeros: only where there is no second response may it say
     # what a zero owns, since a zero beside a resonance owns little of the quotient with the force.
     rows = range(n_responses if n_responses > 1 else lines.vectors.shape[0])
@@ -135,13 +148,17 @@ def select(
         )
         own = roots[row][~shared(roots[row], others)]
         s, share, std, count = _candidates(best, influence, sweep, own, lines, window.report_hz, rule)
-        std = np.hypot(std, order_scatter(s, [every[row] for every in other_orders], count))
+        scatter = order_scatter(s, [every[row] for every in other_orders], count)
+        std = np.hypot(std, scatter)
         if lines.order > 1:
             std = np.hypot(std, LEAKAGE * float(np.median(np.diff(lines.freq_hz))))
         seen = _seen(s, sweep, higher, rule)
         counts = np.array([len(own) for own in seen], dtype=int)
         stays = (counts > rule.min_rows) & (counts >= PRESENCE * len(higher))
         zeros = _table(s, share, std, count, seen, stays, one.accepted, lines.added_decay_per_s)
+        if lines.order > 1:  # The orders above are fits as good as the likeliest, those of the sweep are not.
+            spread = scatter / zeros.freq_hz
+            zeros = zeros.with_scores(spread=spread, rows=unit * zeros.rows)
         keep = _credible(s, zeros, stays, others, NEARLY_SHARED if lines.order == 1 else NEARLY_SHARED_MINORS)
         if not rule.persistent:
             keep &= zeros.how == "chain"
@@ -190,10 +207,15 @@ def _candidates(
     paired = (apart > PAIR_DAMPING + 3.0 * (error[:, None] + error)) & (
         np.abs(freq[:, None] / freq - 1.0) <= PAIR * apart
     )
+    most_negative = MOST_NEGATIVE
+    if lines.order > 1:
+        middle = np.abs(damping[:, None] + damping) / 2.0
+        paired &= middle <= np.maximum(PAIR_MIDDLE, PAIR_OFF * apart)
+        most_negative = MOST_NEGATIVE_MINORS
     keep = (
         (freq >= report_hz[0])
         & (freq <= report_hz[1])
-        & (damping >= -MOST_NEGATIVE)
+        & (damping >= -most_negative)
         & (damping <= rule.max_damping)
         & (share >= rule.min_dominance)
         & ~paired.any(axis=1)
