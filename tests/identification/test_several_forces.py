@@ -346,6 +346,8 @@ def test_what_cannot_be_is_refused(record):
     unsuitable("at least 3 channels", quiet, few, [0, 4])
     refused("^estimator", quiet, record, [0, 4], estimator="h1")
     refused("^route", quiet, record, [0, 4], route="frf")
+    least = ar.FitOptions(min_order=1, min_rows=1)
+    refused("max_order: got 2; wanted at least 3", quiet, record, [0, 4, 6], max_order=2, fit=least)
     refused("same dof twice", quiet, record, [0, 0])
     curves = [frfs(0, np.arange(1, 600) * 0.25, "frf")] * 3
     refused("3 FrequencyResponses for 2 forces", quiet, curves, [0, 4])

@@ -578,6 +578,9 @@ def _source_of(source: Any, excitation: Any, options: IdentificationOptions) -> 
         got = f"{options.call.estimator!r} for several forces"
         remedy = "Leave it out: two-channel estimators hold one force alone."
         reject("estimator", got, "'rank1', the dominant subspace of all channels", remedy)
+    if options.max_order < len(excitation):
+        remedy = "Minors of r forces have r orders more with each degree. Raise it."
+        reject("max_order", options.max_order, f"at least {len(excitation)}, as many as forces", remedy)
     if options.use_force:
         got, needed = "'frf' for several forces", "'transmissibility', which needs none of them"
         remedy = "Give FRFs measured one force after the other as a list; their minors are compared."
