@@ -125,10 +125,6 @@ class Bound:
         counts = [int(np.sum(np.abs(exact_hz / value - 1.0) < SAME)) for value in exact_hz]
         return [s[np.argsort(np.abs(freq - v))[:count]] for v, count in zip(exact_hz, counts, strict=True)]
 
-    def damped_hz(self, rows, exact_hz):
-        """What the values are with damping: of one that is there twice the mean of both."""
-        return np.array([abs(near.mean()) / (2 * np.pi) for near in self.zeros(rows, exact_hz)])
-
     def std_hz(self, rows, exact_hz):
         """Of exact values of the minor of some rows; of one that is there twice that of the mean."""
         if self.covariance is None:

@@ -78,7 +78,8 @@ def verdict(zeros, stiffness, mass, band_hz):
 def verdict_of(zeros, exact_of, band_hz, damped_of=None, held_of=None):
     """The same with exact roots by the set of responses; values at ``damped_of`` are not false either.
 
-    ``held_of`` (rows, exact) has what intervals are to hold, values with their damping.
+    ``held_of`` (rows, exact) has what intervals are to hold: of each exact value its zeros with damping, in
+    rad/s. A value that is there twice has two: where as many are found each holds its own, else their mean.
     """
     low, high = band_hz
     there = found = 0
@@ -87,15 +88,18 @@ def verdict_of(zeros, exact_of, band_hz, damped_of=None, held_of=None):
         exact = exact_of(pair)
         inside = exact[(exact > low) & (exact < high)]
         there += inside.size
-        with_damping = inside if held_of is None else held_of(pair, inside)
-        for value, damped in zip(inside.tolist(), with_damping.tolist(), strict=True):
+        with_damping = 2 * np.pi * inside[:, None] if held_of is None else held_of(pair, inside)
+        for value, damped in zip(inside.tolist(), with_damping, strict=True):
             distance = np.abs(got / value - 1.0)
             if not distance.size or distance.min() > SAME:
                 missed.append((pair, value))
                 continue
             found, at = found + 1, int(distance.argmin())
             off.append(got[at] / value - 1.0)
-            deviations.append((got[at] - damped) / zeros.tables[pair].std_hz[at])
+            near = np.flatnonzero(distance <= SAME)
+            each = near.size == len(damped)
+            held = np.sort(np.abs(damped))[near.searchsorted(at)] if each else abs(np.mean(damped))
+            deviations.append((got[at] - held / (2 * np.pi)) / zeros.tables[pair].std_hz[at])
         there_too = exact if damped_of is None else np.append(exact, damped_of(pair))
         invented += [(pair, f) for f in got.tolist() if np.abs(there_too / f - 1.0).min(initial=1.0) > SAME]
     return Verdict(there, found, len(invented), np.array(deviations), np.array(off), missed, invented)

@@ -126,6 +126,32 @@ def test_the_bound_is_that_of_the_whole_likelihood():
     assert np.abs(of_module - total).max() < 1e-9 * np.abs(total).max()
 
 
+def lines_of(some, rows, leakage):
+    own = {"order": some.order, "subspaces": some, "rows": rows, "leakage": leakage}
+    return MinorLines(some.freq_hz, some.minors(rows).T, 1.0 / some.noise, 0.0, some.segments, **own)
+
+
+def test_what_a_window_leaks_from_line_to_line_is_taken_out():
+    """The expected spectra under a Hann window, which puts a sixth of the power into each line beside."""
+    freq_hz, exact, rows = np.linspace(5.0, 70.0, 1000), Receptances(STRUCTURE, (0, 2)), rows_of(5, 2)
+    a = exact.at(2j * np.pi * freq_hz) / np.sqrt(1e-4)
+    sharp = a @ a.conj().transpose(0, 2, 1)
+    seen = sharp[1:-1] * 2.0 / 3.0 + (sharp[:-2] + sharp[2:]) / 6.0 + np.eye(5)
+    some = Subspaces(freq_hz[1:-1], *subspace(seen.conj(), np.ones(5)), None, 2)
+    bound, off = Bound(STRUCTURE, (0, 2), 1.0, 0.0), []
+    for leakage in (np.empty(0), np.array([1.0 / 6.0])):
+        best = likeliest_columns(lines_of(some, rows, leakage), 40)
+        off.append([])
+        for row, pair in enumerate(rows):
+            exact_hz = antiresonances_hz(*STILL, list(pair), [0, 2])
+            exact_hz = np.empty(0) if exact_hz is None else exact_hz
+            s = best.fit.zeros(best.coefficients[:, row])
+            off[-1] += [np.abs(s / near.mean() - 1.0).min() for near in bound.zeros(pair, exact_hz)]
+    before, after = np.array(off)
+    assert before.size > 10
+    assert np.median(after) < 0.1 * np.median(before)
+
+
 def test_zeros_of_a_fit_scatter_by_the_bound():
     """And what a fit states is what they scatter by; ten records in white noise."""
     freq_hz, looks, noise = np.linspace(5.0, 70.0, 500), 60, np.full(5, 0.1)
@@ -140,9 +166,7 @@ def test_zeros_of_a_fit_scatter_by_the_bound():
     for _ in range(10):
         segments = Segments.of(a @ circular(500, 2, looks) + circular(500, 5, looks))
         some = Subspaces(freq_hz, *subspace(segments.matrix, np.ones(5)), segments, 2)
-        lines = MinorLines(
-            freq_hz, some.minors(rows).T, 1.0 / some.noise, 0.0, segments, order=2, subspaces=some, rows=rows
-        )
+        lines = lines_of(some, rows, np.empty(0))
         best = likeliest_columns(lines, 40)
         influence = best.influence(lines)
         assert best.misfit == pytest.approx(some.by_noise(slice(None), 1.0), rel=0.1)
@@ -152,7 +176,8 @@ def test_zeros_of_a_fit_scatter_by_the_bound():
                 continue
             s = best.fit.zeros(best.coefficients[:, row])
             s = s[s.imag > 0.0]
-            for hz, std in zip(bound.damped_hz(pair, exact_hz), bound.std_hz(pair, exact_hz), strict=True):
+            for near, std in zip(bound.zeros(pair, exact_hz), bound.std_hz(pair, exact_hz), strict=True):
+                hz = abs(near.mean()) / (2 * np.pi)
                 at = np.argmin(np.abs(np.abs(s) / (2 * np.pi) - hz))
                 off.append((abs(s[at]) / (2 * np.pi) - hz) / std)
                 stated.append(influence.standard_deviations(row, s[[at]])[0] / std)
@@ -186,7 +211,8 @@ def test_two_forces_of_unknown_spectra(zeros):
     assert said.found >= 66
     assert said.false <= 1
     assert np.median(np.abs(said.off)) < 3e-4
-    assert 0.75 <= said.held <= 0.99
+    assert said.held >= 0.75
+    assert 0.7 < np.sqrt(np.mean(said.deviations**2)) < 1.3  # seeds 100 to 104: 0.93 to 1.15
 
 
 def test_double_root_is_one_value():
@@ -344,6 +370,11 @@ def test_the_wrong_number_gives_no_confident_answer():
 def test_what_cannot_be_is_refused(record):
     few = ar.Recording(record.responses[:2], record.fs_hz)
     unsuitable("at least 3 channels", quiet, few, [0, 4])
+    for some in ([0] * 5, [0, 1, 2, 3, 0]):  # exact copies once ended in a raw LinAlgError, or in no value
+        factors = np.arange(1.0, 6.0)[:, None]
+        for excitation in ([0, 4], [0, 3, 6]):
+            copies = ar.Recording(factors * record.responses[some], record.fs_hz)
+            unsuitable("one signal from dofs 0 and", quiet, copies, excitation)
     refused("^estimator", quiet, record, [0, 4], estimator="h1")
     refused("^route", quiet, record, [0, 4], route="frf")
     least = ar.FitOptions(min_order=1, min_rows=1)

@@ -40,6 +40,7 @@ from numpy.typing import NDArray
 from ..exceptions import Argument, UnsuitableDataError, reject
 from ..measured.response_table import MOST_SETS, key_of
 from ..signals.averaging import Averages
+from ..signals.channel_checks import SAME
 from ..signals.data_check import ROUGH
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
@@ -57,6 +58,7 @@ LEAST_SNR = 4.0  # a line below it has no subspace of r dimensions by which a fi
 LEAST_RATIO, SILENT_SHARE = 10.0, 3e-4
 PASSES = 8  # passes of "subspace, residual noise of each channel, scale"
 LEAST_LEFT, LEAST_CHANGE = 1e-3, 0.05  # of a channel beside the signal; of its noise in one pass
+LEAKS = 3  # lines to either side into which a window leaks
 LEAST_GAP = 0.25  # a signal eigenvalue counts as no nearer to the noise than this share of itself
 
 
@@ -265,10 +267,14 @@ def subspaces(averages: Averages, order: int) -> Subspaces:
 
 @dataclass(frozen=True, kw_only=True)
 class MinorLines(Lines):
-    """Minors of the ``rows`` (n_minors, r) of ``subspaces``; the segments are those of the channels."""
+    """Minors of the ``rows`` (n_minors, r) of ``subspaces``; the segments are those of the channels.
+
+    Of the power at a line the window puts the shares ``leakage`` one line, two lines ... to either side.
+    """
 
     subspaces: Subspaces
     rows: NDArray[np.intp]
+    leakage: FloatArray
 
     def part(self, first: int, last: int) -> Self:
         """Some of the lines."""
@@ -279,6 +285,7 @@ def lines_of_minors(averages: Averages, some: Subspaces, rows: NDArray[np.intp])
     """The vectors of some minors, with the subspaces that they are of."""
     vectors = some.minors(rows)
     share = np.sum(np.abs(vectors) ** 2, axis=1)  # of all minors, some of which may be left out
+    window = np.zeros(1) if averages.taper is None else np.abs(np.fft.fft(averages.taper)) ** 2
     return MinorLines(
         some.freq_hz,
         unit(vectors.T),
@@ -290,7 +297,16 @@ def lines_of_minors(averages: Averages, some: Subspaces, rows: NDArray[np.intp])
         order=some.order,
         subspaces=some,
         rows=rows,
+        leakage=(window / max(window.sum(), 1e-300))[1 : LEAKS + 1],
     )
+
+
+def _copies(matrix: ComplexArray) -> NDArray[np.bool_]:
+    """Which pairs of channels are one signal up to a factor, of which no noise can be told."""
+    total = matrix.real.sum(axis=0)
+    root = np.sqrt(np.diag(total))
+    same = np.abs(total / (root[:, None] * root)) > SAME
+    return np.asarray(same[np.triu_indices(len(root), 1)])
 
 
 class MinorsOfRecord:
@@ -305,6 +321,10 @@ class MinorsOfRecord:
             raise UnsuitableDataError("source", got, f"more than {order}", remedy)
         power = np.einsum("fii->i", averages.spectra.matrix).real
         require_live(power, rec.dofs, "no signal at all from {} in the band", "Recording")
+        for pair, twice in zip(combinations(rec.dofs, 2), _copies(averages.spectra.matrix), strict=True):
+            if twice:
+                got, remedy = f"one signal from dofs {pair[0]!r} and {pair[1]!r}", "Leave one of them out."
+                raise UnsuitableDataError("source", got, "channels with noise of their own", remedy)
         self._averages, self._subspaces = averages, subspaces(averages, order)
         some = slice(None, None, -(-len(self._subspaces.values) // CHOICE_LINES))
 
