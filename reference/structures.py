@@ -83,7 +83,7 @@ class Structure:
         for a in range(0, w.size, 4096):
             part = w[a : a + 4096, None, None]
             dynamic = self.stiffness + 1j * part * self.damping - part**2 * self.mass
-            x = np.linalg.solve(dynamic, force)[:, self.responses, 0]
+            x = np.linalg.solve(dynamic, force[None])[:, self.responses, 0]
             out[:, a : a + 4096] = (-(part[:, :, 0] ** 2) * x).T
         return out
 

@@ -53,6 +53,7 @@ GROUP = [one(3, 0.44), one(2, 0.28), unknown(0.27), nothing(0.01)]
 BLIND = Hypothesis((6,), 0.09, (0.0,), (0.0,), (0.93,), candidate=False)
 IDLE = [one(4, 0.70, (0.3,)), one((1, 4), 0.15, (1e-5, 0.3)), one((4, 6), 0.12, (0.3, 0.004)), nothing(0.03)]
 IDLE_ANSWER = [one((1, 4), 0.6, (0.3, 0.001)), one((1, 6), 0.35, (0.3, 0.2)), nothing(0.05)]
+CRACK = dataclasses.replace(one(4, 0.999, candidate=False), place="a crack in spring 4")
 SHIFT, OFF = {"moved_alike": -0.008}, {"factor_std": 0.6}
 
 UNFIT = "the data of now are unfit. Too short. Record 9 s."
@@ -95,6 +96,7 @@ SAID = {  #: Assessments, whose headlines are in headlines.txt.
     "declared, improbable": assessed([nothing(0.9), one(0, 0.1)], (0,), threshold=-3.0),
     "probable, not declared": assessed([one(0, 0.6), nothing(0.4)], (), threshold=1.0),
     "one, that does not explain": assessed([one(4, 0.99)], (4,), chi_square=9.0),
+    "what is no candidate and does not explain": assessed([CRACK, nothing(0.001)], (), [], chi_square=9.0),
 }
 ALONE = {  #: The same without a baseline: losses, and whether the search came to its end.
     "one state, stopped": ({1: 0.2}, False),

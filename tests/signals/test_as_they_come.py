@@ -56,6 +56,33 @@ def test_rest_minutes_of_noise_and_offsets_change_little():
     assert sum(map(len, zeros.values())) >= 0.5 * sum(map(len, short.values()))
 
 
+def asked_of_too_short(x, fs_hz, band_hz):
+    told = ar.check_data(ar.Recording(x, fs_hz), band_hz=band_hz).named("record_length")
+    return [one.advice.split()[0] for one in told]
+
+
+def test_a_weak_hit_is_to_be_harder_not_longer():
+    asked = []
+    for name, seed in product(("frame", "tower"), range(11, 13)):
+        one = STRUCTURES[name]()
+        made = hit(one, MEASURED, seed)
+        level = made.samples.std(axis=1).mean()
+        noise = np.random.default_rng(seed).standard_normal(made.samples.shape)
+        for times in (2.0, 2.5, 3.0):
+            asked += asked_of_too_short(made.samples + times * level * noise, made.fs_hz, one.band_hz)
+    assert len(asked) >= 4
+    assert set(asked) == {"If"}  # "If its one rise is a hit, ..."
+
+
+def test_short_steady_records_are_to_be_longer():
+    asked = []
+    for seed in range(60, 66):
+        short = structures.random_chain(seed).record(noise=0.3, seed=seed, duration_s=8.0)
+        asked += asked_of_too_short(short.responses, FS, BAND)
+    assert len(asked) >= 4
+    assert set(asked) == {"Record"}
+
+
 def drifting(one, seed, change, duration_s=60.0):
     """A record in which all frequencies rise by a share from one end to the other: its time is stretched."""
     x = one.record(noise=0.01, seed=seed, duration_s=1.1 * duration_s).responses

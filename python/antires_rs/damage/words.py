@@ -59,6 +59,10 @@ def _intervals(one: Hypothesis) -> str:
 
 _SURE, _EVEN = 0.9, 0.5  # from this probability on something is said without reserve
 _BARELY = 2  # with fewer values to spare, sets with one element more explain them as well
+_OF_TRIED = (
+    "Nothing that was tried explains all of the values: something unknown may have changed, and "
+    "probabilities compare only what was tried."
+)
 
 
 def _answer(found: Assessment) -> list[str]:
@@ -68,12 +72,9 @@ def _answer(found: Assessment) -> list[str]:
     declared = found.answer
     if not found.best.candidate:
         lines = _unexplained(found)
-    elif declared is None:
-        lines = _nothing(found)
     else:
-        lines = _damage(found, declared)
-        if not found.explained:
-            lines += ["But it does not explain all of the values; something else may have changed as well."]
+        lines = _nothing(found) if declared is None else _damage(found, declared)
+        lines = lines if found.explained else [_OF_TRIED, *lines]
     if found.n_risen:
         risen = f"Values have risen ({found.n_risen} of {found.n_moved} that moved)"
         lines.append(f"{risen}: are the sets swapped, or has something been stiffened?")
@@ -95,10 +96,7 @@ def _unexplained(found: Assessment) -> list[str]:
         sure = f"probability {percent(best.probability)}"
         if found.explained:
             return [f"No damage of the candidates explains the values, but this does ({sure}): {best.place}."]
-        first = (
-            f"No damage of the candidates explains the values; the likeliest is this ({sure}): {best.place}."
-        )
-        return [first, "But it does not explain all of the values; something else may have changed as well."]
+        return [_OF_TRIED, f"The likeliest is this ({sure}): {best.place}."]
     if share >= _SURE:
         sure = f"probability {percent(share)}"
         lines = [f"Something has changed that none of the candidates explains ({sure})."]
@@ -116,23 +114,22 @@ def _unexplained(found: Assessment) -> list[str]:
 
 
 def _nothing(found: Assessment) -> list[str]:
-    none, left = found.probability_of_nothing, []
-    if not found.explained and not found.best.elements:
-        left = ["But that does not explain all of the values; something unknown may have changed."]
+    none = found.probability_of_nothing
     # What was no candidate and shows in no value stays as probable as before: no reason to doubt the test.
     blind = [one for one in found.hypotheses if not one.candidate and one.elements and _unseen(one)]
     if found.best.elements:
         enough = "but not enough for the rate of false alarms asked for"
         first = f"No damage declared: it is probable ({percent(1.0 - none)}), {enough}."
     elif none >= _SURE:
-        return [f"No damage found: nothing has changed (probability {percent(none)}).", *left]
+        what = "nothing has changed" if found.explained else "the likeliest is that nothing has changed"
+        return [f"No damage found: {what} (probability {percent(none)})."]
     elif none + sum(one.probability for one in blind) >= _SURE:
         first = f"No damage found: probably nothing has changed (probability {percent(none)})."
-        return [first, _else(found, blind, "Not to be excluded"), *left]
+        return [first, _else(found, blind, "Not to be excluded")]
     else:
         first = "It cannot be told whether there is damage; probably nothing has changed (probability "
         first += f"{percent(none)})."
-    return [first, _else(found, (one for one in found.hypotheses if one.elements)), *left]
+    return [first, _else(found, (one for one in found.hypotheses if one.elements))]
 
 
 def _damage(found: Assessment, declared: Hypothesis) -> list[str]:
@@ -151,7 +148,7 @@ def _damage(found: Assessment, declared: Hypothesis) -> list[str]:
             only = "only one element is" if k == 1 else f"no more than {k} elements are"
             values = f"{matched} value{'s' if matched > 1 else ''}"
             return [f"Damage; if {only} damaged: {lost}.", f"{sized} {values} cannot tell more."]
-        return [f"Damage: {lost}.", sized]
+        return [f"{'Damage' if found.explained else 'Likeliest damage'}: {lost}.", sized]
     unknown = sum(one.probability for one in found.hypotheses if one.unknown)
     what = "There is damage" if unknown < 1.0 - _SURE else "Something has changed"
     sure = f"{what} (probability {percent(changed)})"

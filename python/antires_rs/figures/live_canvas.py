@@ -133,8 +133,8 @@ def _draw_behind(fig: Any, axis: marks.Axis, curve: marks.Line) -> None:
 
 
 def dash_of(dash: Any) -> Any:
-    """A dash of the marks as bokeh names it."""
-    return _DASHES[dash] if isinstance(dash, str) else [2 * length for length in dash]
+    """A dash of the marks as bokeh names it; versions of 3.6 and before take a list for data."""
+    return _DASHES[dash] if isinstance(dash, str) else " ".join(str(2 * length) for length in dash)
 
 
 def _stroke(mark: marks.Line | marks.Rules | marks.Paths) -> dict[str, Any]:

@@ -155,6 +155,18 @@ def is_transient(rec: Recording, low_hz: float = 0.0) -> bool:
     return all(decaying)
 
 
+# Of a weak hit most of a record is level noise: its median is less than this above its lower fifth. Steady
+# vibration swells and fades.
+LEVEL = 1.2
+
+
+def is_level_but_for_a_rise(rec: Recording, low_hz: float) -> bool:
+    """Whether a record that is not transient may still hold a weak hit."""
+    energy = _energy(rec, max(1, rec.n_samples // COARSE_BLOCKS), low_hz)
+    fifth, median = np.quantile(energy, (0.2, 0.5))
+    return bool(median < LEVEL * fifth and energy.max() > LEAST_RISE * median)
+
+
 @_once
 def find_events(rec: Recording, low_hz: float) -> tuple[Event, ...]:
     """Find the impacts of a record, without what is slower than ``low_hz``."""

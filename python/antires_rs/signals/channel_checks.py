@@ -782,10 +782,12 @@ def of_segments(
     longer: bool,
     chosen: bool,
     known: bool,
+    weak_hit: bool,
 ) -> CheckResults:
     """Lines per bandwidth of averaged segments, and what would mend it."""
     # longer: the record allows longer segments. chosen: these were not the user's, so that leaving the choice
-    # is no advice. known: the bandwidth was resolved; otherwise it is an upper limit.
+    # is no advice. known: the bandwidth was resolved; otherwise it is an upper limit. weak_hit: minutes more
+    # of noise after a hit that was taken for steady vibration mend nothing.
     if bandwidth_hz is None:
         return [NOTHING_SHARP]
     lines = bandwidth_hz / spacing_hz
@@ -818,6 +820,8 @@ def of_segments(
     if least_s > duration_s:
         advice = f"Record {'' if known else 'at least '}{rounded(least_s)} s, better "
     advice += f"{rounded(SEGMENTS * wanted_s)} s."
+    if weak_hit:
+        advice = "If its one rise is a hit, that is too weak for the noise: hit harder, several times."
     return [Finding(LENGTH, severity, (), lines, ENOUGH, text + "these resonances.", advice)]
 
 

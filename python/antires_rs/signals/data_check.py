@@ -13,7 +13,17 @@ from ..support.checks import ComplexArray, force_label, members
 from ..support.progress import patient
 from ..support.values import frozen
 from . import channel_checks as channels, one_force
-from .averaging import LEAST_SAMPLES, SEGMENTS, Averages, Averaging, average, holds_hits, longest_segments
+from .averaging import (
+    LEAST_SAMPLES,
+    SEGMENTS,
+    Averages,
+    Averaging,
+    average,
+    holds_hits,
+    is_level_but_for_a_rise,
+    longest_segments,
+    lowest_hz,
+)
 from .findings import SEVERITIES, CheckResults, DataCheck, Finding, NotTested, one_of_a_kind
 from .frequency_response import FrequencyResponse, band_of
 from .one_force import Evidence, of_curves, of_spectra
@@ -197,6 +207,8 @@ def _resolution(
         longer=longest > length,
         chosen=averages.options.nperseg is None,
         known=lines is not None and lines >= 1.0,
+        weak_hit=averages.options.method == "auto"
+        and is_level_but_for_a_rise(parts_of(rec)[0], lowest_hz(band)),
     )
 
 
