@@ -42,6 +42,7 @@ RIDGES = (1e-13, 1e-11, 1e-9)
 ITERATIONS = 4
 
 
+SIGNS = (1.0, 1.0, -1.0, -1.0)  # of i^k: for even k the real number, for odd k the imaginary one
 UNDEFINED = "the spectra leave them undefined; check for channels that are copies or hold no signal"
 
 
@@ -69,9 +70,9 @@ class NumeratorFit:
         self.whole = forsythe_basis(freq_hz / self.scale_hz, self.weights, degree)
         terms = max_order + 1
         self.basis = Basis(self.whole.b[:terms], self.whole.p[:, :terms])
-        # i^k times a polynomial is real for even k and imaginary for odd k, with these signs.
+        # i^k times a polynomial is real for even k and imaginary for odd k, with the signs SIGNS.
         self._even, self._odd = (np.ascontiguousarray(self.basis.p[:, parity::2]) for parity in (0, 1))
-        self._signs = _signs(terms)
+        self._signs = np.resize(SIGNS, terms)
 
     def _factor(self, form: FloatArray, n: int) -> None:
         self.form, self._upper = form, _upper(form)
@@ -185,7 +186,7 @@ def form_of(
     place = np.empty((n, n), dtype=int)
     place[one, other] = place[other, one] = np.arange(one.size)
     # Re(i^m z): the real part for even m, the imaginary one, which is antisymmetric, for odd m.
-    signs = _signs(terms)[:, None, None] * np.ones((n, n))
+    signs = np.resize(SIGNS, terms)[:, None, None] * np.ones((n, n))
     signs[1::2] *= np.where(np.arange(n)[:, None] < np.arange(n), 1.0, -1.0)
     form = np.zeros((terms, n, terms, n))
     before = np.zeros_like(row)
@@ -198,11 +199,6 @@ def form_of(
             after -= b[i] * before[2:-2]
         before, row = row, after / whole.b[i + 1]
     return form.reshape(terms * n, terms * n)
-
-
-def _signs(terms: int) -> FloatArray:
-    """Of i^k, for even k the real number and for odd k the imaginary one."""
-    return np.array([1.0, 1.0, -1.0, -1.0])[np.arange(terms) % 4]
 
 
 def _upper(form: FloatArray) -> FloatArray:

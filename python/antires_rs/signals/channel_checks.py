@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable
+from collections.abc import Callable, Container, Iterable
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -782,7 +782,7 @@ def of_segments(
     longer: bool,
     chosen: bool,
     known: bool,
-    weak_hit: bool,
+    weak_hit: Callable[[], bool],
 ) -> CheckResults:
     """Lines per bandwidth of averaged segments, and what would mend it."""
     # longer: the record allows longer segments. chosen: these were not the user's, so that leaving the choice
@@ -820,7 +820,7 @@ def of_segments(
     if least_s > duration_s:
         advice = f"Record {'' if known else 'at least '}{rounded(least_s)} s, better "
     advice += f"{rounded(SEGMENTS * wanted_s)} s."
-    if weak_hit:
+    if weak_hit():
         advice = "If its one rise is a hit, that is too weak for the noise: hit harder, several times."
     return [Finding(LENGTH, severity, (), lines, ENOUGH, text + "these resonances.", advice)]
 

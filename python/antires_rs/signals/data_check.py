@@ -207,8 +207,9 @@ def _resolution(
         longer=longest > length,
         chosen=averages.options.nperseg is None,
         known=lines is not None and lines >= 1.0,
-        weak_hit=averages.options.method == "auto"
-        and is_level_but_for_a_rise(parts_of(rec)[0], lowest_hz(band)),
+        weak_hit=lambda: (
+            averages.options.method == "auto" and is_level_but_for_a_rise(parts_of(rec)[0], lowest_hz(band))
+        ),
     )
 
 
