@@ -145,6 +145,9 @@ def usual_rate(path: Path, times: Any) -> float:
     return simplest_rate((1.0 - 1e-9) * rate, (1.0 + 1e-9) * rate)
 
 
+TOO_FEW_DIGITS = "Where instants are only written with too few digits, give the rate by fs_hz=."
+
+
 def rate_of(path: Path, times: Any, *, digits: float = 1e-9, remedy: str = _INSTANTS) -> float:
     """Sampling rate of even instants in s, the simplest their rounding allows; gaps are refused."""
     if times.size < 2 or not np.isfinite(times).all():
@@ -153,13 +156,16 @@ def rate_of(path: Path, times: Any, *, digits: float = 1e-9, remedy: str = _INST
     step = span / (times.size - 1)
     if span <= 0.0:
         unsuitable(path, "whose time does not ascend", _EVEN, remedy)
+    if 2.0 * rounding > 1.5 * step:  # neighbours are written alike, and a lost sample is not seen
+        found = f"whose instants are written to {2.0 * rounding:.1g} s, in steps of {step:.3g} s"
+        unsuitable(path, found, _EVEN, TOO_FEW_DIGITS)
     # A lost sample moves its neighbour by a whole step; a tenth is jitter no writer makes by rounding.
     late = np.flatnonzero(np.abs(np.diff(times) - step) > max(0.1 * step, 2.0 * rounding))
     if late.size:
         i = int(late[0])
         found = f"with {times[i]:.9g} s followed by {times[i + 1]:.9g} s after steps of {step:.6g} s"
         if late.size > times.size // 10:
-            remedy = "Where instants are only written with too few digits, give the rate by fs_hz=."
+            remedy = TOO_FEW_DIGITS
         unsuitable(path, f"{found} ({late.size} such gaps)", _EVEN, remedy)
     # Steps may also change in the course of the record, each by less than counts as a gap. Jitter of single
     # instants averages out over a part; its two ends have at most a tenth of a step each.
