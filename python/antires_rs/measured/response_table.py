@@ -24,20 +24,10 @@ COLUMNS = (*NUMBERS, "by_hand")
 MOST_SECOND = 0.025  # second eigenvalue over the first beside a value up to which it is of one force
 SURE_SHARE, SURE_SPREAD, SURE_DEPTH_DB = 0.9, 3e-3, 6.0  # of fits over windows: what a value that is sure has
 
-#: Scores that are calculated with.
+#: Scores that are calculated with; others may be texts.
 FIGURES = frozenset(
-    (
-        "rows",
-        "spread",
-        "dominance",
-        "residual",
-        "prominence_db",
-        "share",
-        "depth_db",
-        "own_depth_db",
-        "second",
-    )
-    + ("averages", "expected_false", "followed", "known_hz")
+    ("rows", "spread", "dominance", "residual", "prominence_db", "share", "depth_db", "own_depth_db")
+    + ("second", "averages", "expected_false", "followed", "known_hz")
 )
 
 
