@@ -29,10 +29,9 @@ class Ties:
         self.ops = ops
         self.rows: list[list[tuple[int, int, float]]] = []  # (node, dof from 1, coefficient) of each equation
         self.retained: set[tuple[int, int]] = set()
-        self._make = {
-            name: getattr(ops, name) for name in ("equalDOF", "equalDOF_Mixed", "rigidLink", "rigidDiaphragm")
-        }
-        for name in self._make:
+        self._make: dict[str, Any] = {}
+        for name in ("equalDOF", "equalDOF_Mixed", "rigidLink", "rigidDiaphragm"):
+            self._make[name] = getattr(ops, name)
             setattr(ops, name, getattr(self, f"_{name}"))
 
     def _add(self, node: int, dof: int, others: list[tuple[int, int, float]]) -> None:
@@ -50,7 +49,7 @@ class Ties:
         return self._make["equalDOF_Mixed"](master, slave, count, *pairs)
 
     def _rigidLink(self, kind: str, master: int, slave: int) -> Any:
-        codes = self._codes(slave)
+        codes = codes_of(self.ops, slave)
         moves = codes if kind == "beam" else tuple(code for code in codes if code <= 3)
         self._rigid(master, slave, moves, turning=kind == "beam")
         return self._make["rigidLink"](kind, master, slave)
@@ -65,7 +64,7 @@ class Ties:
         self, master: int, slave: int, moves: tuple[int, ...], turning: bool = True, only: int = 0
     ) -> None:
         """u_s = u_m + theta_m x (x_s - x_m), theta_s = theta_m; of the directions ``moves``."""
-        codes = self._codes(slave)
+        codes = codes_of(self.ops, slave)
         arm = np.zeros(3)
         coordinates = np.ravel(np.subtract(self.ops.nodeCoord(slave), self.ops.nodeCoord(master)))
         arm[: coordinates.size] = coordinates
@@ -77,9 +76,6 @@ class Ties:
                 turns = (c for c in codes if c > 3 and only in (0, c))
                 others += [(master, codes.index(c) + 1, float(by[code - 1, c - 4])) for c in turns]
             self._add(slave, codes.index(code) + 1, others)
-
-    def _codes(self, node: int) -> tuple[int, ...]:
-        return codes_of(self.ops, node)
 
 
 def codes_of(ops: Any, node: int) -> tuple[int, ...]:
@@ -135,36 +131,27 @@ def main(request: dict[str, Any], out: str) -> None:
     for tag in request["removed"]:
         if tag not in there:
             raise SystemExit(f"Unfit: the model has no element {tag}")
-    numbers = {tag: listed(ops.eleNodes(tag)) for tag in there}
-    kinds = {tag: str(np.ravel(ops.eleType(tag))[0]) for tag in there}
+    elements = {tag: (str(np.ravel(ops.eleType(tag))[0]), listed(ops.eleNodes(tag))) for tag in there}
     for tag in request["removed"]:
         ops.remove("element", tag)
     reduced = matrices(ops, "Transformation") if ties.rows and not request["removed"] else []
     for node in sorted({row[0][0] for row in ties.rows}):
         ops.remove("mp", node)
-    mass, stiffness = matrices(ops, "Plain")
-    write(ops, out, ties, stiffness, mass, reduced, numbers, kinds, defaults)
+    arrays = arrays_of(ties, matrices(ops, "Plain"), elements)
+    for name, matrix in zip(("mass", "stiffness"), reduced, strict=False):
+        arrays[f"reduced.{name}"] = np.sort(np.diag(matrix))
+    about = {"kinds": list(dict.fromkeys(kind for kind, _ in elements.values())), "defaults": defaults}
+    np.savez(out, **arrays, text=np.frombuffer(json.dumps(about).encode(), dtype=np.uint8))
 
 
-def write(
-    ops: Any,
-    out: str,
-    ties: Ties,
-    stiffness: Any,
-    mass: Any,
-    reduced: list[Any],
-    numbers: Any,
-    kinds: Any,
-    defaults: Any,
-) -> None:
-    """Entries of the matrices, names of the rows, equations and mesh as one archive."""
-    row_of: dict[tuple[int, int], int] = {}
-    points = np.zeros((len(stiffness), 3), dtype=np.int64)  # node, direction code, dof of the node from 1
+def arrays_of(ties: Ties, found: list[Any], elements: dict[int, tuple[str, list[int]]]) -> dict[str, Any]:
+    """Entries of M and K, names of the rows, equations and mesh."""
+    ops, row_of = ties.ops, dict[tuple[int, int], int]()
+    points = np.zeros((len(found[0]), 3), dtype=np.int64)  # node, direction code, dof of the node from 1
     nodes = sorted(listed(ops.getNodeTags()))
     for node in nodes:
-        for i, (row, code) in enumerate(
-            zip(listed(ops.nodeDOFs(node)), codes_of(ops, node), strict=False), 1
-        ):
+        rows = zip(listed(ops.nodeDOFs(node)), codes_of(ops, node), strict=False)
+        for i, (row, code) in enumerate(rows, 1):
             if row >= 0:
                 row_of[node, i] = row
                 points[row] = node, code, i
@@ -172,8 +159,9 @@ def write(
     flat = [(i, row, value) for i, each in enumerate(tied) for row, value in each]
     kept = sorted({row_of[point] for point in ties.retained if point in row_of})
     own = {row for each in tied for row, value in each[:1]}
-    names = list(dict.fromkeys(kinds.values()))
-    most = max(map(len, numbers.values()), default=1)
+    kinds = list(dict.fromkeys(kind for kind, _ in elements.values()))
+    most = max((len(own) for _, own in elements.values()), default=1)
+    padded = [[*own, *[-1] * (most - len(own))] for _, own in elements.values()]
     places = [[*map(float, np.ravel(ops.nodeCoord(node))), 0.0, 0.0][:3] for node in nodes]
     arrays: dict[str, Any] = {
         "points": points,
@@ -181,19 +169,14 @@ def write(
         "retained": np.array([row for row in kept if row not in own], dtype=np.int64),
         "nodes": np.array(nodes, dtype=np.int64),
         "coordinates": np.array(places).reshape(-1, 3),
-        "elements": np.array(list(numbers), dtype=np.int64),
-        "connectivity": np.array(
-            [[*n, *[-1] * (most - len(n))] for n in numbers.values()], dtype=np.int64
-        ).reshape(-1, most),
-        "kind": np.array([names.index(kinds[tag]) for tag in numbers], dtype=np.int64),
-        "text": np.frombuffer(json.dumps({"kinds": names, "defaults": defaults}).encode(), dtype=np.uint8),
+        "elements": np.array(list(elements), dtype=np.int64),
+        "connectivity": np.array(padded, dtype=np.int64).reshape(-1, most),
+        "kind": np.array([kinds.index(kind) for kind, _ in elements.values()], dtype=np.int64),
     }
-    for name, matrix in (("stiffness", stiffness), ("mass", mass)):
-        rows, columns = np.nonzero(matrix)
-        arrays |= {f"{name}.rows": rows, f"{name}.columns": columns, f"{name}.values": matrix[rows, columns]}
-    for name, matrix in zip(("mass", "stiffness"), reduced, strict=False):
-        arrays[f"reduced.{name}"] = np.sort(np.diag(matrix))
-    np.savez(out, **arrays)
+    for name, matrix in zip(("mass", "stiffness"), found, strict=True):
+        at = np.nonzero(matrix)
+        arrays |= {f"{name}.rows": at[0], f"{name}.columns": at[1], f"{name}.values": matrix[at]}
+    return arrays
 
 
 if __name__ == "__main__":

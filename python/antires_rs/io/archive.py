@@ -117,18 +117,14 @@ _FIELDS: dict[type, tuple[str, ...]] = {
     Hypotheses: ("rows", "names"),
     Entries: Entries._fields,
 }
-_HOMES = (assessor_plan, inference, hypotheses, likelihood, options, frame_parts, recipes)
+_HOMES = [assessor_plan, inference, hypotheses, likelihood, options, frame_parts, recipes, structural_model]
+_HOMES.append(island_ga)
 #: Classes by the names that stand in files: our dataclasses, as these modules know them, and those above.
-_CLASSES: dict[str, Any] = {
-    **{
-        name: each
-        for home in (*_HOMES, structural_model, island_ga)
-        for name, each in vars(home).items()
-        if is_dataclass(each)
-    },
-    **{each.__name__: each for each in (*_FIELDS, *_MODELS.values())},
-    **{each.__name__: each for each in (AntiresonanceSet, Parameter, DamagePenalty)},
-}
+_CLASSES: dict[str, Any] = {}
+for _home in _HOMES:
+    _CLASSES |= {name: each for name, each in vars(_home).items() if is_dataclass(each)}
+_OTHERS = (*_FIELDS, *_MODELS.values(), AntiresonanceSet, Parameter, DamagePenalty)
+_CLASSES |= {each.__name__: each for each in _OTHERS}
 
 
 def encoded(value: Any, store: Store) -> Any:

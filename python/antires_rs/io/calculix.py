@@ -182,14 +182,10 @@ class Deck:
         kinds = tuple(dict.fromkeys(kind for kind, _ in self._elements.values()))
         most = max((len(nodes) for _, nodes in self._elements.values()), default=1)
         rows = [[*nodes, *[-1] * (most - len(nodes))] for _, nodes in self._elements.values()]
-        return Mesh(
-            np.array(list(self._nodes), dtype=np.intp),
-            np.array(list(self._nodes.values())).reshape(-1, 3),
-            np.array(list(self._elements), dtype=np.intp),
-            np.array(rows, dtype=np.intp).reshape(-1, most),
-            kinds,
-            np.array([kinds.index(kind) for kind, _ in self._elements.values()], dtype=np.intp),
-        )
+        of = [kinds.index(kind) for kind, _ in self._elements.values()]
+        nodes, elements, kind = (np.array(list(own), np.intp) for own in (self._nodes, self._elements, of))
+        places = np.array(list(self._nodes.values())).reshape(-1, 3)
+        return Mesh(nodes, places, elements, np.array(rows, np.intp).reshape(-1, most), kinds, kind)
 
     def names(self, kind: str) -> list[str]:
         """Of all element sets, or materials, that sections name."""

@@ -99,12 +99,9 @@ def stated_recording(file: Path, channels: Sequence[Channel], given: Reading) ->
     begun = (first.start, round(first.offset_s, 9))
     other = next((c for c in used if (c.start, round(c.offset_s, 9)) != begun), None)
     if other is not None:
-        names = " and ".join(
-            f"{c.name!r} from {c.start or 'the start'} + {c.offset_s:g} s" for c in (first, other)
-        )
-        unsuitable(
-            file, f"with {names}", "channels that begin together", "Name the responses= of one record."
-        )
+        ends = (f"{c.name!r} from {c.start or 'the start'} + {c.offset_s:g} s" for c in (first, other))
+        remedy = "Name the responses= of one record."
+        unsuitable(file, f"with {' and '.join(ends)}", "channels that begin together", remedy)
     if given.unit is None and not any(c.unit for c in used):
         said = "does not say in which unit its channels are; the values are as in the file"
         warn("no_unit", f"path: {str(file)!r} {said}. Name it by unit=.")

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -19,6 +18,7 @@ from dataclasses import replace
 from hashlib import sha256
 from itertools import combinations
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Literal, NoReturn
 
 import numpy as np
@@ -42,6 +42,10 @@ from .options import PathLike
 # -- Runs in folders of their own, kept by a hash of all they depend on
 
 FORMAT, VERSION = "antires_rs.run", 1
+
+
+def _temporary(prefix: str, parent: Path | None = None) -> TemporaryDirectory[str]:
+    return TemporaryDirectory(prefix=prefix, dir=parent, ignore_cleanup_errors=True)
 
 
 class Runs:
@@ -98,8 +102,8 @@ class Runs:
                 return Run(**decoded(read_store(file, FORMAT, VERSION, wanted)[1]["run"], str(file)))
             except AntiresError:
                 pass  # damaged: it is run again
-        with _own_folder(f"{os.getpid()}-", self._folder) as folder:
-            run = made(self._code.run(folder, factors), factors)
+        with _temporary(f"{os.getpid()}-", self._folder) as folder:
+            run = made(self._code.run(Path(folder), factors), factors)
         store = Store()
         write_store(file, {"format": FORMAT, "version": VERSION, "run": encoded(vars(run), store)}, store)
         return run
@@ -237,12 +241,6 @@ class Finder:
 # -- The model
 
 
-@contextmanager
-def _own_folder(prefix: str, parent: Path | None = None) -> Iterator[Path]:
-    with tempfile.TemporaryDirectory(prefix=prefix, dir=parent, ignore_cleanup_errors=True) as folder:
-        yield Path(folder)
-
-
 def read_model(
     source: Any,
     *,
@@ -352,9 +350,8 @@ def _fitting(mesh: Mesh, names: Sequence[str]) -> Mesh:
     there = {*mesh.nodes.tolist()}
     if unknown := sorted({point[0] for point in points if point is not None} - there):
         got = f"{len(there)} nodes without {some(unknown)}, which dofs have"
-        reject(
-            "mesh", got, "the mesh of the model", "Give numbers of nodes: ar.io.read_mesh(file, nodes=...)."
-        )
+        remedy = "Give numbers of nodes: ar.io.read_mesh(file, nodes=...)."
+        reject("mesh", got, "the mesh of the model", remedy)
     return mesh
 
 
@@ -362,8 +359,8 @@ def _fitting(mesh: Mesh, names: Sequence[str]) -> Mesh:
 def _folder(target: Path | None) -> Iterator[Path]:
     """Where runs are kept: beside the model, or nowhere."""
     if target is None:
-        with _own_folder("antires_") as folder:
-            yield folder
+        with _temporary("antires_") as folder:
+            yield Path(folder)
         return
     kept = target.with_suffix(".runs")
     kept.mkdir(exist_ok=True)

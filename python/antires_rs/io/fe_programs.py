@@ -72,10 +72,8 @@ class Run:
         from scipy.sparse import coo_array
 
         k, m = coo_array(stiffness), coo_array(mass)
-        n = int(k.shape[0])
-        return cls(
-            Entries.of_sparse(k), Entries.of_sparse(m), names_of("dofs", names or None, n), n, mesh=mesh
-        )
+        both, n = (Entries.of_sparse(k), Entries.of_sparse(m)), int(k.shape[0])
+        return cls(*both, names_of("dofs", names or None, n), n, mesh=mesh)
 
     def both(self, n: int) -> tuple[Any, Any]:
         """Stiffness and mass as sparse arrays (n, n)."""
@@ -265,9 +263,8 @@ class OpenSees(Code):
     def text(self, factors: Factors) -> str:
         """What is asked of the script, itself, and those beside it, which it may import."""
         beside = sorted(self._script.parent.glob("*.py"))
-        return "\n".join(
-            [self._request(factors), *self._words, *(f.read_text(errors="replace") for f in beside)]
-        )
+        texts = (file.read_text(errors="replace") for file in beside)
+        return "\n".join([self._request(factors), *self._words, *texts])
 
     def input(self, factors: Factors, file: Path) -> str:
         """A script with the same function, whose arguments have other defaults."""
@@ -276,9 +273,8 @@ class OpenSees(Code):
         if fixed or self._function is None:
             got = f"elements of {fixed[0]!r}" if fixed else "no function"
             wanted = "arguments of a function, which have values"
-            reject(
-                "source", got, wanted, 'Read the model as "frame.py:build", with groups that are arguments.'
-            )
+            remedy = 'Read the model as "frame.py:build", with groups that are arguments.'
+            reject("source", got, wanted, remedy)
         values = {each.place: (each.value or 0.0) * factors[each.name] for each in moved}
         folder = os.path.relpath(self._script.parent, file.resolve().parent)
         return _SCRIPT.format(script=self._script.name, name=self._function, folder=folder, values=values)
@@ -301,15 +297,14 @@ class OpenSees(Code):
     def _read(self, out: Path) -> Run:
         a = read_archive(out)
         about, n = json.loads(bytes(a["text"])), len(a["points"])
-        k, m = (
-            Entries.joined(*(a[f"{s}.{p}"] for p in ("rows", "columns", "values"))) for s in _opensees.SIDES
-        )
+        parts = ([a[f"{side}.{part}"] for part in ("rows", "columns", "values")] for side in _opensees.SIDES)
+        k, m = (Entries.joined(*each) for each in parts)
         ties: dict[int, list[tuple[int, float]]] = {}
         for row, dof, value in a["ties"].tolist():
             ties.setdefault(int(row), []).append((int(dof), value))
         if "reduced.mass" in a:  # as OpenSees itself takes constraints out
-            equations, kept = [dict(each) for each in ties.values()], a["retained"].tolist()
-            made = eliminate_constraints(k.sparse(n), m.sparse(n), equations, keep=kept)
+            kept = a["retained"].tolist()
+            made = eliminate_constraints(k.sparse(n), m.sparse(n), [*map(dict, ties.values())], keep=kept)
             for side in _opensees.SIDES:
                 own, theirs = np.sort(getattr(made, side).diagonal()), a[f"reduced.{side}"]
                 if own.shape != theirs.shape or np.abs(own - theirs).max() > 1e-9 * np.abs(theirs).max():
@@ -317,9 +312,8 @@ class OpenSees(Code):
         names = [(node, code) if code else f"{node} dof {nth}" for node, code, nth in a["points"].tolist()]
         kinds = tuple(about["kinds"])
         mesh = Mesh(a["nodes"], a["coordinates"], a["elements"], a["connectivity"], kinds, a["kind"])
-        return Run(
-            k, m, names_of("dofs", names, n), n, tuple(map(tuple, ties.values())), mesh, about["defaults"]
-        )
+        equations = tuple(map(tuple, ties.values()))
+        return Run(k, m, names_of("dofs", names, n), n, equations, mesh, about["defaults"])
 
 
 _SCRIPT = """\
@@ -354,10 +348,8 @@ class Template(Code):
         """The number that stands in place of ``{name}``."""
         for name, value in _by_name(groups).items():
             if not self._places(name).search(self._text):
-                got, wanted = (
-                    f"{str(self._file)!r} without {{{name}}}",
-                    "an input with it in place of the number",
-                )
+                got = f"{str(self._file)!r} without {{{name}}}"
+                wanted = "an input with it in place of the number"
                 remedy = f"Write {{{name}}}, or {{{name}:.6e}} for a field of few columns."
                 reject(("groups", name), got, wanted, remedy)
             yield Asked(name, "value", value=finite_scalar(("groups", name), value))
@@ -375,7 +367,8 @@ class Template(Code):
         place = next(self._places(name).finditer(self._text))
         return float(self._filled(name, factor, place)) / float(self._filled(name, 1.0, place))
 
-    def _input(self, factors: Factors) -> str:
+    def input(self, factors: Factors, file: Path) -> str:
+        """With numbers in all places."""
         text = self._text
         for name in (each.name for each in self.asked):
             text = self._places(name).sub(partial(self._filled, name, factors.get(name, 1.0)), text)
@@ -383,15 +376,11 @@ class Template(Code):
 
     def text(self, factors: Factors) -> str:
         """The input file of the run, and the command."""
-        return f"{self._words}\n{self._input(factors)}"
-
-    def input(self, factors: Factors, file: Path) -> str:
-        """With numbers in all places."""
-        return self._input(factors)
+        return f"{self._words}\n{self.input(factors, self._file)}"
 
     def run(self, folder: Path, factors: Factors) -> Run:
         """The matrices that it leaves in the folder."""
-        (folder / self._file.name).write_text(self._input(factors))
+        (folder / self._file.name).write_text(self.input(factors, self._file))
         install = 'Correct command=, as in "nastran {input} batch=no".'
         said = self.execute(folder, self._words, install, self._file.stem)
         left = sorted(each for each in folder.iterdir() if each.name not in (self._file.name, "antires.log"))
@@ -477,8 +466,7 @@ def opened(source: Any, code: str | None, command: str | None, groups: Any = Non
         for other in found.asked[:nth]:
             common = {*one.elements} & {*other.elements}
             if common and {one.quantity, other.quantity} != {*LINEAR}:  # values multiply in the others
-                got = (
-                    f"{other.name!r} and {one.name!r}, which share {len(common)} element(s), as {min(common)}"
-                )
+                names = f"{other.name!r} and {one.name!r}"
+                got = f"{names}, which share {len(common)} element(s), as {min(common)}"
                 reject("groups", got, "groups of different elements", "Leave one out, or take them apart.")
     return found

@@ -191,8 +191,6 @@ def matlab_class(item: Any) -> str:
 
 def values_of(item: Any) -> Any:
     """Values of a dataset; MATLAB's are stored transposed, and its complex numbers as pairs."""
-    import numpy as np
-
     values = np.asarray(item[()])
     if values.dtype.names:
         real, imaginary = values.dtype.names

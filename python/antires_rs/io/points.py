@@ -6,7 +6,7 @@ import csv
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from itertools import permutations, product
+from itertools import combinations, permutations, product
 from pathlib import Path
 from typing import Any
 
@@ -26,13 +26,8 @@ from .units import Unit
 
 _AXES = "XYZ"
 _MOST_DEG = 15.0  # so far a sensor may stand off its axis
-_SCALES = {
-    1e-3: "in mm",
-    1e-2: "in cm",
-    0.0254: "in inches",
-    0.3048: "in feet",
-    1e3: "in km, or the nodes in mm",
-}
+_SCALES = {1e-3: "in mm", 1e-2: "in cm", 0.0254: "in inches", 0.3048: "in feet"}
+_SCALES |= {1e3: "in km, or the nodes in mm"}
 _ALL, _MORE = 0.9, 0.2  # share of points that a mistake has to explain, and how much more than none does
 
 
@@ -87,20 +82,17 @@ class MatchedPoints(ReadOnly):
         names = list(signal.dofs)
         there = {dof: of for dof, of in self.weights.items() if set(of) <= set(names)}
         if not there:
-            reject(
-                "signal", f"channels {some(names)}", f"some of {some(self.nodes)}", "Name the channels alike."
-            )
-        rows = [
-            sum(w * signal.responses[names.index(name)] for name, w in of.items()) for of in there.values()
-        ]
+            wanted = f"some of {some(self.nodes)}"
+            reject("signal", f"channels {some(names)}", wanted, "Name the channels alike.")
+        row = dict(zip(names, signal.responses, strict=True))
+        rows = [sum(w * row[name] for name, w in of.items()) for of in there.values()]
         return Recording(np.stack(rows), signal.fs_hz, list(there), signal.force, signal.time_s)
 
     def _plain(self, name: Any) -> str | None:
         dof = self.dofs.get(name)
         if dof is not None and self.weights[dof][name] < 0.0:
-            reject(
-                "signal", f"FRFs of {name!r}, which points backwards", "a recording", "Turn its sign first."
-            )
+            got = f"FRFs of {name!r}, which points backwards"
+            reject("signal", got, "a recording", "Turn its sign first.")
         return dof
 
 
@@ -209,11 +201,8 @@ def _of_universal(file: Path) -> dict[str, Any]:
     labels = {f.response: f.at for f in functions_of(file, False) if f.what != "coherence"}
     lost = [label for point, label in labels.items() if point[0] not in nodes or not 1 <= abs(point[1]) <= 3]
     if not nodes or len(lost) == len(labels):
-        unsuitable(
-            file,
-            f"with {len(nodes)} nodes and {len(labels)} points",
-            "nodes (15, 781, 2411) of its functions",
-        )
+        found = f"with {len(nodes)} nodes and {len(labels)} points"
+        unsuitable(file, found, "nodes (15, 781, 2411) of its functions")
     if lost:
         warn("points_without_dof", f"path: {str(file)!r} has no node or direction of {some(lost, 6)}.")
     kept = {point: label for point, label in labels.items() if label not in lost}
@@ -278,14 +267,11 @@ def _directed(
         turned = len(axes) == len(names) and np.linalg.cond(ways[:, axes]) < 10.0
         dofs = [f"{node}:{_AXES[axis]}" for axis in axes]
         if turned and not set(dofs) & set(weights):
-            inverse = np.linalg.inv(ways[:, axes])
-            weights |= {
-                d: dict(zip(names, row.tolist(), strict=True)) for d, row in zip(dofs, inverse, strict=True)
-            }
+            for dof, row in zip(dofs, np.linalg.inv(ways[:, axes]).tolist(), strict=True):
+                weights[dof] = dict(zip(names, row, strict=True))
         else:
-            unmatched |= {
-                n: f"its direction {np.round(points[n][1], 2).tolist()} lies between axes" for n in names
-            }
+            for name, way in zip(names, ways.round(2).tolist(), strict=True):
+                unmatched[name] = f"its direction {way} lies between axes"
     return weights, notes
 
 
@@ -295,13 +281,9 @@ def _exchanged(node: dict[Any, int], numbers: IntArray) -> list[str]:
     own = {name: point[0] for name, point in called.items() if point is not None and point[0] in numbers}
     if np.mean([node[name] == own[name] for name in own] or [False]) < 0.5:
         return []  # numbers of the measurement are not those of the model
-    pairs = {
-        tuple(sorted((a, b)))
-        for a in own
-        for b in own
-        if a < b and own[a] != own[b] and (node[a], node[b]) == (own[b], own[a])
-    }
-    return [f"{a!r} and {b!r} look exchanged: each lies at the other's node" for a, b in sorted(pairs)]
+    pairs = [(a, b) for a, b in combinations(sorted(own), 2) if own[a] != own[b]]
+    exchanged = [(a, b) for a, b in pairs if (node[a], node[b]) == (own[b], own[a])]
+    return [f"{a!r} and {b!r} look exchanged: each lies at the other's node" for a, b in exchanged]
 
 
 def _explain(at: FloatArray, places: FloatArray, tree: Any, reach: float) -> None:
@@ -313,16 +295,13 @@ def _explain(at: FloatArray, places: FloatArray, tree: Any, reach: float) -> Non
         return min(float(np.mean(distance <= reach)), distinct / max(len(np.unique(at, axis=0)), 1))
 
     def words(order: tuple[int, ...], signs: tuple[int, ...]) -> str:
-        said = [f"{_AXES[i]} mirrored" for i in range(3) if signs[i] < 0]
-        return " and ".join(
-            [f"axes {''.join(_AXES[i] for i in order)} for XYZ"] * (order != (0, 1, 2)) + said
-        )
+        axes = "".join(_AXES[i] for i in order)
+        said = [f"axes {axes} for XYZ"] * (axes != _AXES)
+        return " and ".join([*said, *(f"{_AXES[i]} mirrored" for i in range(3) if signs[i] < 0)])
 
     least = share(at) + _MORE
-    turns = sorted(
-        product(permutations(range(3)), product((1, -1), repeat=3)),
-        key=lambda t: (t[0] != (0, 1, 2), -sum(t[1])),
-    )
+    turns = list(product(permutations(range(3)), product((1, -1), repeat=3)))
+    turns.sort(key=lambda turn: (turn[0] != (0, 1, 2), -sum(turn[1])))
     for scale, (order, signs) in product((1.0, *_SCALES), turns):
         turned = scale * at[:, order] * signs
         middle = places.min(axis=0) + places.max(axis=0) - turned.min(axis=0) - turned.max(axis=0)

@@ -199,11 +199,8 @@ class _Bag:
             said = f"has arrays of three and more axes, {', '.join(cubes)}, which are not read"
             warn("many_axes", f"path: {str(path)!r} {said}.")
         if not self.numeric:
-            unsuitable(
-                path,
-                "without an array of numbers" + f" ({self.listed})" * bool(self.listed),
-                "arrays of numbers",
-            )
+            found = "without an array of numbers" + f" ({self.listed})" * bool(self.listed)
+            unsuitable(path, found, "arrays of numbers")
 
     def signal(self) -> Signal:
         """What the arrays are."""
@@ -237,17 +234,13 @@ class _Bag:
         """The other rows of a matrix over its first one."""
         given, rows = self.given, self.numeric[name][1:]
         if given.freq_hz is not None or given.df_hz is not None:
-            stated, option = (
-                given_lines(self.path, given, lines.size),
-                "df_hz" if given.freq_hz is None else "freq_hz",
-            )
+            stated = given_lines(self.path, given, lines.size)
+            option = "df_hz" if given.freq_hz is None else "freq_hz"
             if not np.allclose(stated, lines, rtol=1e-6, atol=1e-6 * lines[-1]):
                 got = f"it for {name!r}, whose first column holds frequencies, {lines[0]:g} to {lines[-1]:g}"
                 reject(option, got, "the frequencies of the file", "Leave it out: the column is used.")
         unit = self.notes.unit(name)
-        channels = [
-            Channel(name if len(rows) == 1 else f"{name}[{i}]", row, unit) for i, row in enumerate(rows)
-        ]
+        channels = [Channel(each, row, unit) for each, row, _ in _rows(name, rows)]
         return response_of(self.path, lines, channels, given)
 
     def _role(self, argument: str, given: str | None, names: set[str]) -> str | None:

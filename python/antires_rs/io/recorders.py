@@ -74,14 +74,14 @@ def channels_of_tdms(path: str, request: dict[str, Any]) -> Answer:
     made: list[dict[str, Any]] = []
     with TdmsFile.open(path) as file:
         several = sum(bool(group.channels()) for group in file.groups()) > 1
+        every = [(f"{group.name}/{one.name}", one) for group in file.groups() for one in group.channels()]
         chosen = [
-            (f"{group.name}/{channel.name}" if several else channel.name, channel)
-            for group in file.groups()
-            for channel in group.channels()
-            if len(channel) and asked((f"{group.name}/{channel.name}", channel.name), channel.name, request)
+            (path if several else channel.name, channel)
+            for path, channel in every
+            if len(channel) and asked((path, channel.name), channel.name, request)
         ]
         if not chosen and request["only"] is not None:
-            there = called(c.name for g in file.groups() for c in g.channels())
+            there = called(channel.name for _, channel in every)
             raise Unfit(f"no channel has a name that you gave; they are {there}")
         room(sum(len(channel) for _, channel in chosen), request)
         for name, channel in chosen:
@@ -375,9 +375,8 @@ def read_lvm(
     """
     file, given = opened(read_lvm, path, options)
     if re.match(r"\s*[-+\d.]", decoded(file)) and run is None:  # no header: the first column is the time
-        return cast(
-            Recording, signal_of_table(file, table_of(file, None, None), replace(given, first="time"))
-        )
+        given = replace(given, first="time")
+        return cast(Recording, signal_of_table(file, table_of(file, None, None), given))
     form, segments = _segments(file)
     if run is not None and not (type(run) is int and 1 <= run <= len(segments)):
         wanted = f"1 to {len(segments)}, the segments of {str(file)!r}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import compress
@@ -17,13 +17,12 @@ from numpy.typing import NDArray
 
 from ..exceptions import UnsuitableDataError, reject
 from ..signals.frequency_response import FrequencyResponse
-from ..support.checks import choice, finite_scalar
+from ..support.checks import FloatArray, choice, finite_scalar
 from ..support.messages import warn
 from .channels import Channel, chosen, recording_of, response_of, warn_other_rate
 from .common import TO_ALIGN, Signal, rate_of, unsuitable, usual_rate
 from .options import Reading
 from .raw_arrays import given_lines, lines_of_axis
-from .table_layouts import is_pulse, labelled_rows, movella_columns, pulse_columns, stated_rate_hz, unwrapped
 from .units import Unit, abscissa_factor, is_abscissa, is_frequency
 
 # -- Columns of text that are one complex response together: two parts of it, or magnitude and phase
@@ -181,6 +180,69 @@ def _instant(match: re.Match[str]) -> np.datetime64:
     return at - shift if zone[0] == "+" else at + shift
 
 
+# -- Layouts of loggers and analysers
+#
+# Columns under rows that are called by what they hold: CH No., Range, ..., Unit (KYOWA PCD).
+
+_UNITS = ("unit", "units", "einheit")
+_NAMES = re.compile(r"(ch|channel|signal|sensor|kanal)\b|name\b", re.IGNORECASE)
+_RATE = re.compile(r"sampl\w*[ _]?(rate|freq)\w*", re.IGNORECASE)
+
+
+def labelled_rows(rows: Sequence[Sequence[str]], width: int) -> tuple[list[str], list[str]] | None:
+    """Names and units of the columns where each row above them says first what it holds; None for others."""
+    own = next((row for row in reversed(rows) if len(row) == width and row[0].lower() in _UNITS), None)
+    if own is None:
+        return None
+    named = (row for row in reversed(rows) if len(row) == width and _NAMES.match(row[0]) and all(row[1:]))
+    names = next(named, ["", *(f"channel {i}" for i in range(1, width))])
+    return ["", *names[1:]], ["", *own[1:]]
+
+
+def stated_rate_hz(rows: Sequence[Sequence[str]]) -> float | None:
+    """What a row such as ``Sampling Rate(Hz),50`` says; None without one."""
+    stated = (row for row in rows if len(row) > 1 and _RATE.match(row[0]) and "khz" not in row[0].lower())
+    number = next((row[1] for row in stated if re.fullmatch(r"[\d.]+", row[1])), "0")
+    return float(number) or None
+
+
+# -- One response a file (PULSE): "Header Size:", "X-Axis unit:", "Signal:", tags; number, x, real, imaginary
+
+
+def pulse_columns(head: Sequence[str], width: int) -> tuple[list[str], list[str]]:
+    """Names and units of the columns."""
+    pairs = (line.partition(":") for line in head)
+    said = {key.strip().lower(): value.strip() for key, _, value in pairs}
+    x = next((said[key] for key in ("x-axis unit", "x-axis units", "x-axisunit") if key in said), "")
+    unit, base = said.get("amplitudeunit", ""), said.get("signal", "").strip("()") or "response"
+    values = [base] if width < 4 else [f"re({base})", f"im({base})"]
+    names = ["", "Time" if x.lower() in ("s", "ms") else "Frequency", *values]
+    return names[-width:], ["", x, *[unit] * len(values)][-width:]
+
+
+# -- Sensors with a counter of packets and a clock of 32 bits in microseconds (Movella, Xsens DOT)
+
+_MOVELLA = {"acc": "m/s2", "freeacc": "m/s2", "gyr": "deg/s", "euler": "deg", "mag": "a.u.", "quat": "1"}
+_CLOCK = "SampleTimeFine"
+
+
+def unwrapped(ticks: FloatArray) -> FloatArray:
+    """The readings of a counter of 16, 24 or 32 bits that began again at zero, as if it had more."""
+    steps = np.diff(ticks)
+    down = steps < 0.0
+    if not down.any() or np.any(ticks != np.rint(ticks)):
+        return ticks
+    usual = float(np.median(steps))
+    for bits in (16, 24, 32):
+        fixed = steps[down] + 2.0**bits
+        even = fixed.min() > 0.0 and fixed.max() <= 1000.0 * usual < 2.0 ** (bits - 1)
+        if even and ticks.max() < 2.0**bits:
+            return np.concatenate([ticks[:1], ticks[0] + np.cumsum(steps + 2.0**bits * down)])
+    return ticks
+
+
+# -- A text as a table
+
 MARK, VERSION = "# antires_rs csv", 1  # first line of our files
 _MOST_HEAD = 12  # lines of their header at most
 _COMMENT, _NUMBERS = ("#", "%", "//"), "numbers in every column"
@@ -271,7 +333,8 @@ def _headed(table: Table, head: list[str], between: str | None, width: int) -> N
         head = [re.sub(r"(?<=\w)\s+([\[(])", r"\1", line) for line in head]
     above = [[part.strip('"') for part in _split(line, between)] for line in head]
     table.rate_hz = stated_rate_hz(above)
-    told = pulse_columns(head, width) if is_pulse(head) else labelled_rows(above, width)
+    pulse = bool(head) and head[0].startswith("Header Size:")
+    told = pulse_columns(head, width) if pulse else labelled_rows(above, width)
     if told is None:
         named(table, above)
     else:
@@ -280,11 +343,12 @@ def _headed(table: Table, head: list[str], between: str | None, width: int) -> N
 
 def _as_movella(table: Table) -> None:
     """A sensor's own clock first; the row of zeros that it begins with is no sample."""
-    found = movella_columns(table.names)
-    if found is not None and len(table.values) > 2:
-        columns, table.units = found
-        table.names, table.values = [table.names[i] for i in columns], table.values[:, columns]
-        table.names[0], table.digits = "time", (1e-12, 1e-12)
+    if _CLOCK in table.names and len(table.values) > 2:
+        others = [i for i, name in enumerate(table.names) if name not in ("PacketCounter", _CLOCK)]
+        table.values = table.values[:, [table.names.index(_CLOCK), *others]]
+        table.names, table.digits = ["time", *(table.names[i] for i in others)], (1e-12, 1e-12)
+        kinds = (name.partition("_")[0].lower() for name in table.names[1:])
+        table.units = ["us", *(_MOVELLA.get(kind, "") for kind in kinds)]
         moving = [i for i, name in enumerate(table.names) if name.startswith("Acc_")]
         table.values = table.values[1 if moving and not table.values[0, moving].any() else 0 :]
 
@@ -312,9 +376,8 @@ def _fill(file: Path, table: Table, rows: list[list[str]], point: str, width: in
         table.values = np.loadtxt(plain, kind, comments=None, delimiter=";", ndmin=2)
     except ValueError as exc:
         unsuitable(file, f"with a value that is no number ({exc})", _NUMBERS)
-    digits = [
-        _rounding([row[c] for row in rows[-1000:]], table.values[:, c], point) for c in range(min(width, 2))
-    ]
+    last = [[row[c] for row in rows[-1000:]] for c in range(min(width, 2))]
+    digits = [_rounding(texts, table.values[:, c], point) for c, texts in enumerate(last)]
     table.digits = (digits[0], digits[-1])
 
 
@@ -460,7 +523,9 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
     name = columns[0].name
     behind = table.instants == 1
     if first is None and table.rate_hz is not None and not name and not is_abscissa(columns[0].unit):
-        first = _by_rate(columns[0].values, table.rate_hz)
+        span = float(columns[0].values[-1] - columns[0].values[0])
+        steps = span * table.rate_hz / (columns[0].values.size - 1)
+        first = "time" if abs(steps - 1.0) < 1e-3 else None  # as the rate in the header tells
     counts = first is None and given.pairs is None and _counts(columns[0].values, behind)
     if counts and (name.lower() in _INDEX or not named):
         after = columns[1] if len(columns) > 1 else None
@@ -501,18 +566,11 @@ def _over_time(
     if given.align:
         return recording_of(file, channels, rate or usual_rate(file, instants), given, clock)
     if rate is None:
-        return recording_of(
-            file, channels, rate_of(file, instants, digits=digits, remedy=TO_ALIGN), given, clock
-        )
+        rate = rate_of(file, instants, digits=digits, remedy=TO_ALIGN)
+        return recording_of(file, channels, rate, given, clock)
     with suppress(UnsuitableDataError):  # instants that say nothing are why a rate was given
         warn_other_rate(file, "has instants at", rate_of(file, instants, digits=digits), rate)
     return recording_of(file, channels, rate, given)
-
-
-def _by_rate(values: Any, rate_hz: float) -> str | None:
-    """What a column without a name is by the rate that the header states; None if that does not tell."""
-    step = float(values[-1] - values[0]) / (values.size - 1)
-    return "time" if abs(step * rate_hz - 1.0) < 1e-3 else None
 
 
 def _what_first(file: Path, columns: list[Channel], hertz: bool, rated: bool) -> str:

@@ -413,10 +413,9 @@ def _own(lines: Sequence[str], first: float, step: float) -> dict[str, Any]:
         except (ValueError, TypeError):
             break
     numbers = [own.get(name, 0.0) for name in ("start", "step", "rate_hz", "n_averages")]
-    header = {"start": first, "step": step}
-    agree = all(isinstance(n, int | float) for n in numbers) and all(
-        f"{own.get(name, stated):.5e}" == f"{stated:.5e}" for name, stated in header.items()
-    )
+    pairs = [(own.get(name, stated), stated) for name, stated in (("start", first), ("step", step))]
+    agree = all(isinstance(n, int | float) for n in numbers)
+    agree = agree and all(f"{exact:.5e}" == f"{stated:.5e}" for exact, stated in pairs)
     if agree and ("start" in own) == ("step" in own) == (step > 0.0):
         return own
     return {name: value for name, value in own.items() if name in ("set", "of", "dof")}
@@ -693,11 +692,8 @@ def read_uff(
     chosen = there[0] if kind is None and len(there) == 1 else kind
     if chosen not in there:
         found = f"with {', '.join(there) or 'no function that can be read'}"
-        remedy = (
-            f"Pass kind={' or '.join(map(repr, there))}."
-            if there
-            else f"It holds {'; '.join(map(str, functions[:10]))}."
-        )
+        held = "; ".join(map(str, functions[:10]))
+        remedy = f"Pass kind={' or '.join(map(repr, there))}." if there else f"It holds {held}."
         unsuitable(file, found, "one kind of function" if kind is None else f"kind={kind!r}", remedy)
     wanted = [f for f in functions if _KIND_OF.get(f.what, f.what) in (chosen, "coherence")]
     functions = one_run(file, wanted, run)
@@ -907,9 +903,7 @@ def _block(f: Function, place: str, binary: bool) -> bytes:
         wanted = "labels of at most 70 letters in a universal file"
         reject("dofs", repr(own["dof"]), wanted, "Shorten the label.")
     over = f" / {label_of(f.reference)}" if f.reference != (0, 0) else ""
-    points = "".join(
-        f" {'NONE':<10}{node:10d}{direction:4d}" for node, direction in (f.response, f.reference)
-    )
+    points = "".join(f" {'NONE':<10}{node:10d}{way:4d}" for node, way in (f.response, f.reference))
     start, step = (float(f.x[0]), f.step) if f.even else (0.0, 0.0)
     axes = [(_OVER_TIME, "s") if f.what == "time" else (_OVER_TIME + 1, "Hz")]
     for unit in (f.unit, f.reference_unit, ""):
