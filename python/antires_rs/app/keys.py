@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from textwrap import wrap
 from typing import Any
 
@@ -89,14 +89,18 @@ def format_of(name: str, given: str | None = None) -> str | None:
     return next((kind for kind, endings in FORMATS.items() if suffix in endings), None)
 
 
-# -- The sections, a key a paragraph: ``name (required kind of formats, --flag VALUE) = default: sentence``
+# -- The sections as ``job_keys.txt`` declares them, a key a paragraph:
+#
+#    name (required kind of formats, --flag VALUE) = default: sentence
 
+_DECLARATIONS = Path(__file__).with_name("job_keys.txt")
 _DECLARED = re.compile(r"(\w+) \((required )?(\w+)(?: of ([\w ]+))?(?:, (--[^)]+))?\)(?: = (.+?))?: (.+)")
 
 
-def _sections(text: str, **inserted: Sequence[Key]) -> dict[str, Section]:
-    """Every section; ``<name>`` stands for keys that are declared elsewhere."""
+def _sections(words: Mapping[str, str], **inserted: Sequence[Key]) -> dict[str, Section]:
+    """Every section; ``<name>`` stands for some words, or for keys that are declared elsewhere."""
     sections = {}
+    text = re.sub(r"<(\w+)>", lambda m: words.get(m[1], m[0]), _DECLARATIONS.read_text(encoding="utf-8"))
     for part in text.strip().split("\n\n"):
         head, *paragraphs = re.split(r"\n(?! )", part)
         heading, _, about = head.partition(": ")
@@ -129,166 +133,10 @@ def _of_options(options: Mapping[str, Option], names: Iterable[str]) -> list[Key
     return keys
 
 
-_TEXT = """
-[data] may: What was measured. One [[data]] for each position of the force, or a single [data].
-file (required text): The measurement: a file <endings>, a folder of files of one FRF each, or the .json of
-    'antires identify'. Relative to this job file.
-repeats (texts of signals): Further files of the same test, other impacts or runs, in the same format; *
-    stands for anything. They are averaged with the first; FRFs of several forces are one of each.
-format (text, --format FORMAT): One of <formats>. By default the ending tells.
-excitation (places of signals, --excitation DOFS): Dof of the model at which the one force acts, or the name
-    of its channel; a list, as [0, 4], of several unknown forces that act at once.
-band_hz (pair of signals, --band LOW HIGH): Lowest and highest frequency in Hz: from above the rigid-body
-    modes to beyond the highest antiresonance wanted.
-dofs (dofs, --dof CHANNEL=DOF ...): Dof of the model for each channel: a list in their order, or name = dof;
-    false leaves a channel out. Dofs count from 0, or are named: "3 v" of a frame, "12:Z" of a code.
-drop (texts): Values to leave out, "DOF=HZ why", each the one within 1 % of it: "3=31.9 mains hum".
-add (texts): Values that are added, in the same way.
-unit (text of signals, --unit UNIT): Unit of the responses, where the file does not tell: "m/s2", "g", "g/N".
-force (force of signals, --force CHANNEL) = "auto": Channel of the force; false leaves it out. Antiresonances
-    do not need it.
-fs_hz (number of arrays csv tdms lvm excel parquet, --fs HZ): Sampling rate in Hz, where the file does not
-    tell.
-kind (word of responses, --kind WORD): "frf" or "transmissibility" (for UFF also "time" and "spectra"): what
-    to read where a file does not tell or holds several.
-reference (dof of responses, --reference DOF): Reference of transmissibilities.
-responses (texts of arrays columns records folder, --responses NAME ...): Arrays, columns or channels of the
-    responses; * stands for anything.
-align (switch of arrays columns, --align) = false: Whether the file, and those of repeats, are sensors of one
-    test that have a clock each: they are joined by their instants, and samples that were missed made up.
-time (text of arrays): Array of time in s.
-freq (text of arrays folder): Array of frequencies in Hz.
-df_hz (number of arrays columns folder, --df HZ): Spacing in Hz of FRFs from 0 Hz on, where the file has no
-    axis.
-freq_hz (numbers of arrays columns folder): Frequencies in Hz of FRFs, in place of df_hz.
-roving (text of uff, --roving SENSOR): The sensor that stayed while the hammer roved, as "5+Z", of a universal
-    file with the FRFs of all hits: by reciprocity they are those of a force at that sensor, the excitation
-    then. Hits in files of their own are a [[data]] each.
-pattern (text of folder, --pattern GLOB) = "*": Which files of the folder, as "*.csv".
-run (whole of uff lvm folder, --run N>=1): Which run, from 1, where points were recorded several times; which
-    segment of an .lvm.
-pairs (word of columns folder, --pairs WORD): "real_imag", "magnitude_deg", "magnitude_rad", "db_deg" or
-    "db_rad": what two neighbouring columns are, where their names do not tell.
-first (word of columns folder, --first WORD): What the first column is: "time", "freq" or "channel".
-sheet (text of excel folder, --sheet NAME) = the first: Sheet of an Excel workbook.
-full_scale (number of wav, --full-scale VALUE) = 1: What full scale of a WAV file stands for, in unit.
-delimiter (text of csv folder): What stands between columns.
-decimal (text of csv folder): Decimal sign.
-partial (switch of uff csv tdms lvm folder) = false: Whether to read what is whole of a file that was cut.
-
-[measured]: Measured modes: what is fitted if there is no [data], else compared beside its antiresonances.
-modes (texts): The .json of 'antires identify --modes', or of ModalSet.save; a file for each setup of
-    sensors. Relative to this job file.
-dofs (dofs): Dof of the model for each column of the shapes: a list in their order, or name = dof; false
-    leaves a column out.
-
-[series]: Many tests of one structure: [data] names a folder, or a pattern such as "records/*.npz".
-conditions (text): A CSV or Parquet file with what was measured beside: a row a test, in their order, or with
-    their names in a column "name"; a column "time" dates them.
-over (text): The condition over which the pictures draw the antiresonances; by default the tests in order.
-workers (whole): Processes that identify; by default one. No number depends on it.
-
-[identification]: How antiresonances are identified. The defaults suit most records.
-dofs (list): Dofs whose antiresonances are used; by default all that were measured.
-<options>
-
-[model]: The model. Masses, springs, nodes, elements and dofs count from 0.
-kind (required text): "chain" (masses and springs in a row), "frame" (beams), "matrices" (K and M of any
-    finite-element program), "result" (the updated model of 'antires update').
-masses_kg (required numbers of chain): Masses in kg, from the first to the last.
-springs_n_per_m (required numbers of chain): Stiffness in N/m of the springs between neighbours, one fewer
-    than masses.
-ground_first_n_per_m (number of chain) = 0: Spring from the first mass to ground; 0 is a free end. With n
-    masses it is element n - 1, which "all" leaves out.
-ground_last_n_per_m (number of chain) = 0: Spring from the last mass to ground: element n, left out likewise.
-nodes_m (required list of frame): Coordinates of the nodes in m, [x, y] or [x, y, z].
-elements (required list of frame): [node, node, "section"] of each beam.
-sections (required table of frame): Name = { shape = "tube", outer_diameter_m, thickness_m, youngs_modulus_pa,
-    density_kg_per_m3 }, "rectangle" with width_m, height_m, or "general" with area_m2, inertia_m4;
-    shear_coefficient = "cowper" or a number makes Timoshenko beams.
-<parts>
-fixed (list of frame): Nodes, or [node, "direction"], that cannot move.
-orientation (list of frame): Direction in which the height of the sections points.
-file (text of matrices result): The result.npz of 'antires update', or a file of write_matrices.
-stiffness (text of matrices): K, as Matrix Market (.mtx) or scipy.sparse (.npz).
-mass (text of matrices): M, likewise.
-stiffness_terms (texts of matrices): The part of K that each element or group contributes.
-mass_terms (texts of matrices): The same for M.
-dof_map (text of matrices): Text file with node and direction of each row, so that channels such as "12+Z"
-    find their dof.
-first_row (whole of matrices) = 1: Number of the first row in dof_map.
-
-[parameters] must: What may change in the model: one [[parameters]] for each kind and its bounds.
-kind (required text): stiffness_factor, stiffness_reduction (of elements), mass_factor (of terms); for frames
-    also youngs_modulus, density, thickness, diameter (of sections), point_mass, inertia (of masses),
-    support_stiffness (of springs), angle (of elements about a pivot), length (of elements from a pivot),
-    position (of nodes along a direction).
-bounds (required pair): Lower and upper bound: a factor, or a value in SI (degrees for an angle, m for a
-    position).
-elements (required terms of stiffness turned): "all" or a list such as [0, 1, 2].
-terms (required terms of mass_factor): "all" or a list such as [0, 1, 2]; for a chain, the masses.
-sections (required terms of sectioned): "all" or a list of names.
-masses (required terms of lumped): "all" or positions in point_masses.
-springs (required terms of support_stiffness): "all" or positions in ground_springs.
-together (switch of stiffness mass_factor sectioned lumped support_stiffness position) = false: Whether one
-    parameter acts on all of them.
-relative (switch of sectioned lumped support_stiffness) = false: Whether bounds are factors on the model's
-    value.
-nodes (required terms of position): A list of nodes.
-direction (required numbers of position): The direction in which the nodes move, (x, y, z).
-pivot (required whole of turned): The node about which the elements turn, or that stays.
-axis (numbers of angle) = [0, 0, 1]: The axis, in space.
-
-[updating]: The objective of the updating.
-objective (text): "antiresonance", of [data], or "modal", the modes of [measured]; what was measured tells it.
-misfit (text) = "absolute": "absolute" (a few wrong values do not move it), "squared" or "largest".
-weights (text): "std": what is known badly counts less.
-
-[damage]: Where damage is looked for.
-baseline (texts): The intact structure: measurements as in [data], identified with the same options, or the
-    .json of 'antires identify'; with several [[data]] one for each; * takes records of one test. With it
-    changes are compared, and errors of the model do not count as damage.
-elements (terms) = "all": Candidates: "all" or a list such as [0, 1, 2].
-<two_states>
-prior (shares): With a baseline: probabilities before the test that add up to one, <prior> by default.
-<one_state>
-
-[search]: The search. The same seed gives bit-identical results for any number of workers.
-seed (whole) = 0: A whole number of at least 0.
-workers (whole): Threads; by default all processors.
-max_seconds (number): Longest time; 'antires resume' goes on from there.
-checkpoint (switch) = true: Whether the search is kept on disk while it runs.
-max_evaluations (whole) = 200000: Budget of model evaluations.
-max_generations (whole): Budget of generations.
-islands (whole) = 4: Number of populations.
-population (whole) = 40: Individuals of each.
-polish (switch) = true: Whether a local search polishes the islands' bests; false leaves it out.
-crossovers (texts): Operators dealt out to the islands: "arithmetic", "heuristic", "blend", "uniform".
-crossover_probability (number) = 0.8: Of a pair, from 0 to 1.
-mutation_probability (number) = 0.02: Of a gene, from 0 to 1.
-selection_pressure (number) = 0.08: Probability of selecting the best individual.
-patience (whole) = 40: Generations without improvement before an island waits.
-improvement_tolerance (number) = 1e-4: Relative gain that counts as improvement.
-agreement (text) = "genes-or-cost": "genes-or-cost" or "genes".
-gene_tolerance (number) = 1e-6: Spread of the bests that counts as agreement.
-cost_tolerance (number) = 1e-6: The same for costs, relative.
-cost_floor (number) = 1e-12: The same for costs, absolute.
-cost_migrations (whole) = 3: Migrations in a row for which costs must agree.
-polish_interval (whole) = 10: Generations between two polishes.
-polish_evaluations (whole) = 1000: Evaluations after which a polish begins nothing new.
-
-[output]: What is written. Files are whole or not there.
-folder (text): Folder of the results, made if need be. Relative to this job file.
-title (text): Heading of the report.
-report (switch) = true: Whether to write report.html.
-pictures (switch) = true: Whether to write the pictures as PNG too.
-"""
+_PRIOR = ", ".join(f"{name} = {share:g}" for name, share in vars(DamagePrior()).items())
+_WORDS = {"endings": " ".join(SIGNAL_ENDINGS), "formats": ", ".join(FORMATS), "prior": f"{{ {_PRIOR} }}"}
 SECTIONS = _sections(  #: In the order of a job file.
-    _TEXT.replace("<endings>", " ".join(SIGNAL_ENDINGS))
-    .replace("<formats>", ", ".join(FORMATS))
-    .replace(
-        "<prior>", f"{{ {', '.join(f'{name} = {share:g}' for name, share in vars(DamagePrior()).items())} }}"
-    ),
+    _WORDS,
     options=_of_options(declared(), declared()),
     parts=[Key(name, "list", part._in_job, of=(FRAME,)) for name, part in PARTS.items()],
     two_states=_of_options(SearchOptions.declared(), options_with(TWO_STATES)),
@@ -296,9 +144,8 @@ SECTIONS = _sections(  #: In the order of a job file.
 )
 DATA, IDENTIFICATION, PARAMETERS = (SECTIONS[name] for name in ("data", "identification", "parameters"))
 #: How a file is read, without places, and the band.
-READING = [
-    key for key in DATA.keys if key.flag and key.name not in ("excitation", "band_hz", "dofs", "roving")
-]
+_PLACES = ("excitation", "band_hz", "dofs", "roving")
+READING = [key for key in DATA.keys if key.flag and key.name not in _PLACES]
 TASKS = {  #: What a job of each task may hold, in the order in which ``antires init`` writes it.
     "damage": ("data", "measured", "model", "damage", "identification", "search", "output"),
     "update": ("data", "measured", "model", "parameters", "updating", "identification", "search", "output"),
@@ -331,10 +178,6 @@ def _plain(*types: type) -> Callable[[Any], bool]:
     return lambda value: isinstance(value, types) and not isinstance(value, bool) and value != ""
 
 
-def _switch(value: Any) -> bool:
-    return isinstance(value, bool)
-
-
 def _list(item: Callable[[Any], bool], least: int = 1, most: float = math.inf) -> Callable[[Any], bool]:
     return lambda value: isinstance(value, list) and least <= len(value) <= most and all(map(item, value))
 
@@ -361,7 +204,9 @@ KINDS = {
     "number": Kind("a finite number", _number, "Write it without quotes, with a decimal point."),
     "numbers": Kind("a list of finite numbers", _list(_number, 0), "Write them as in [1.0, 2.5]."),
     "whole": Kind("a whole number", _whole, "Write it without quotes and decimal point."),
-    "switch": Kind("true or false", _switch, "Write it in small letters, without quotes."),
+    "switch": Kind(
+        "true or false", lambda value: isinstance(value, bool), "Write it in small letters, without quotes."
+    ),
     "pair": Kind("two numbers, [low, high]", _list(_number, 2, 2), "Write them as in [3.0, 130.0]."),
     "places": Kind("a whole number or a name in quotes, or a list of them", _terms, "As in 3 or [0, 4]."),
     "dof": Kind("a whole number, or a name in quotes", _dof, 'Write it as in 3 or "12+Z".'),

@@ -164,105 +164,10 @@ def argument(use: str, about: str, **how: Any) -> Row:
 
 # -- The commands
 
-#: What carries a command out, its line in the list, its page of help, and its arguments: "?", "*" and "+" say
-#: how many values there may be, "..." that it may be given several times, "!" that it must be; "=" has the
-#: default.
-_COMMANDS = """
-demo (demo.demo): a whole study in a few seconds: record, identify, update, find the damage
-    Virtual test of an eight-mass chain: antiresonances from records alone, an updated model, and the damaged
-    spring. Writes pictures and reports.
-        --out DIR = demo_output: folder for pictures, reports and summary.json
-        --seed N>=0 = 0: another structure, another record, another search
-        --noise FRACTION = 0.01: sensor noise as a fraction of each channel's rms
-        <threads>
-        <json>
-init (studies.init): write a job file with every key explained
-    Write a commented job file to be filled in.
-        job JOB? = job.toml: the file to write
-        --task {damage,update,series} = damage: what the job is to do
-        --model KIND = chain: chain, frame, matrices or result; or the file of 'antires model'
-        --data FILE: a measurement, whose channels are listed in the job
-        --excitation DOF: where the force acts
-        --band LOW HIGH: lowest and highest frequency in Hz
-        --baseline FILE: of a damage: the measurement of the intact structure
-        <reading>
-        --overwrite: replace a job file that exists
-identify (studies.identify): antiresonances of a measurement
-    Identify the antiresonances of every response in a file, or of the [data] of a job.
-        files FILE+: <files> or a job (.toml)
-        <measurement>
-        --drop DOF=HZ ...: leave a value out<edit>
-        --add DOF=HZ ...: add a value<edit>
-        --modes: resonances and mode shapes instead, for [measured] of a job
-        --out FILE.json: save the antiresonances, or modes, for a job
-        --pictures DIR: draw the stabilization diagrams into a folder
-        --json: print JSON instead of the table
-look (look.look): a page to look at a measurement, to add and drop values
-    Open a page in the browser of this computer: diagrams, curves and values of a measurement or a set of
-    antiresonances, which can be edited. It ends with Ctrl-C, or when the page is closed.
-        files FILE+: <files> or antiresonances (.json)
-        <measurement>
-        --out FILE.json: where the page saves the set (default: by the name of the file, in this folder)
-        --edits FILE.json: a set that was saved: make its edits again
-        --no-browser: print the address, and open no browser
-model (fe_model.model): a model from the input of a finite-element code, which is run for it
-    Run CalculiX (.inp), OpenSeesPy (.py, or FILE.py:FUNCTION) or any code by --command, and save K and M
-    with the terms of groups, for file = of [model] in a job. Run again it goes on where it was stopped. With
-    --result, write the input again with the values that a job has found, and run nothing.
-        source SOURCE: input of the code
-        --groups GROUP+: <groups>
-        --out FILE !: the model (.npz), what was run is kept beside it; or with --result the new input
-        --result RESULT.npz: of a job whose model was made of SOURCE
-        --command COMMAND: how the code is run, as in "nastran {input}" (default: CalculiX is ccx)
-        --mesh FILE: nodes and elements for pictures, where the code gives none, in a format of meshio
-        --workers N>=1: runs at a time (default: all processors)
-        <json>
-update (studies.search): bring a model to the measured antiresonances, as a job file says
-    Carry out a job file: bring a model to the measured antiresonances. <search>
-        <job>
-        <fresh>
-        <threads>
-        <json>
-damage (studies.search): locate and size damage, as a job file says
-    Carry out a job file: locate and size damage. <search>
-        <job>
-        <fresh>
-        <threads>
-        <json>
-series (watch.series): antiresonances of many tests, as a job file says
-    Identify all tests of a job with [series]; 'antires init --task series' writes one. Run again it goes on
-    where it was stopped, and takes in new files.
-        <job>
-        --workers N>=1: processes that identify (default: 1); no number depends on it
-        <json>
-watch (watch.watch): identify new files of a folder as they come, and say which differ from the first
-    Identify the measurements in a folder, and new ones when they are complete; tell which differ from the
-    baseline. Ends with Ctrl-C; it may be killed at any time, and goes on where it was.
-        folder FOLDER: where the measurements arrive
-        <test>
-        --baseline N>=8 = 50: first tests
-        --rate P = 0.01: of false alarms
-        --conditions FILE: table of temperatures, by name of the file
-        --assessor FILE: saved by Assessor.save: what is damaged, at each alarm
-        --out DIR = watch_output: series and page
-        --every S = 5: look at least so often
-        --once: end when all files that are there are judged
-resume (studies.resume): go on with a search that was interrupted
-    Go on with a search; the result is bit-identical to that of one that never stopped.
-        <job>
-        <threads>
-        <json>
-report (studies.report): one HTML file of a result
-    Write the report of a result: one file that needs nothing else.
-        result RESULT: a result.npz, or the folder that holds it
-        --out FILE.html: the file to write (default: beside the result)
-        --title TITLE: heading of the report
-        --pictures DIR: write the pictures as PNG too
-        <json>
-explain (studies.explain): what a warning means
-    What is seen, why, and what to do, for the names in brackets at the end of warnings.
-        names NAME*: of a warning, finding or doubt; without any: all
-"""
+# ``commands.txt`` has what carries a command out, its line in the list, its page of help, and its arguments:
+# "?", "*" and "+" say how many values there may be, "..." that it may be given several times, "!" that it
+# must be; "=" has the default.
+
 #: What several commands say.
 _SHARED = {
     "job": "job JOB: a job file, TOML",
@@ -364,7 +269,7 @@ def _declared(text: str) -> dict[str, Command]:
 
 
 _DEEP = 8 * " "
-COMMANDS = _declared(_COMMANDS)
+COMMANDS = _declared(Path(__file__).with_name("commands.txt").read_text(encoding="utf-8"))
 
 
 def parser() -> argparse.ArgumentParser:

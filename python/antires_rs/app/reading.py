@@ -190,11 +190,8 @@ class Measurement:
         names = [dof for rec in sensors for dof in rec.dofs]
         if len(set(names)) < len(names):
             stems = differences([path.stem for path in (self.file, *self.repeats)])
-            names = [
-                stem if rec.n_channels == 1 else f"{stem} {dof}"
-                for stem, rec in zip(stems, sensors, strict=True)
-                for dof in rec.dofs
-            ]
+            each = [(stem, rec, dof) for stem, rec in zip(stems, sensors, strict=True) for dof in rec.dofs]
+            names = [stem if rec.n_channels == 1 else f"{stem} {dof}" for stem, rec, dof in each]
         joined, dofs = align(sensors, dofs=names), self._dofs
         if isinstance(dofs, dict):
             names = [str(name) for name in names]
@@ -516,9 +513,8 @@ class Call(Job):
         """What the files hold; a universal file may state the place of the force."""
         (table,) = self.data
         if "excitation" not in table and "roving" in table:
-            if files[
-                0
-            ].is_dir():  # a file an FRF, named by point numbers: the force was at each, by reciprocity
+            # A folder has a file an FRF, named by point numbers: the force was at each, by reciprocity.
+            if files[0].is_dir():
                 table["excitation"] = table.pop("roving")
             else:
                 with self.blame(_PLACE):
