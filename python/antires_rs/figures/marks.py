@@ -242,11 +242,9 @@ class Scene:
         else:
             large = np.argsort(-np.nan_to_num(self.values), kind="stable")[:MOST_NAMED]
             shown = [i for i in large.tolist() if self.values[i] > 0.0]
-        return [
-            (self.texts[i], points[self.cells[self.part == i]].mean(axis=(0, 1)))
-            for i in shown
-            if np.any(self.part == i)
-        ] + list(self.words)
+        there = [i for i in shown if np.any(self.part == i)]
+        middles = (points[self.cells[self.part == i]].mean(axis=(0, 1)) for i in there)
+        return [*zip((self.texts[i] for i in there), middles, strict=True), *self.words]
 
 
 @dataclass(frozen=True)

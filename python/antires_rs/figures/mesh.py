@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from html import escape
 from pathlib import Path
+from string import Template
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from ..support.files import write_atomically
 from ..support.messages import some
 from .canvas import draw, new_axes
 from .marks import SCALE, Arrows, Axis, Faces, Mark, Panel, Scene, Words, xy
-from .packing import packed_text, policy, script
+from .packing import asset, packed_text, policy, script
 from .structure import ISOMETRIC, _value_by_element, forces_of, without_dof
 
 if TYPE_CHECKING:
@@ -125,18 +126,8 @@ def write_mesh(
     shapes = [] if modes is None else shapes_of(modes)
     told = "".join(f"<br>{escape(line)}" for line in without_dof(sensors))
     block = packed_text(page_data(scene(model, values, sensors, excitation, label, shapes)), 6)
-    page = f"""<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{policy()}">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{escape(title)}</title><link rel="icon" href="data:,">
-<style>body {{ margin: 1rem auto; padding: 0 1rem; max-width: 75rem; color: #1f2328; background: #fff;
-  font: 16px/1.5 system-ui, "Segoe UI", Roboto, Arial, sans-serif; }} h1 {{ font-size: 1.2rem; }}
-.packed {{ display: none; }} figure {{ margin: 0; }}</style></head><body>
-<h1>{escape(title)}</h1>
-<figure><div class="live" id="figure-model"></div><script type="text/plain" class="packed">{block}</script>
-<figcaption>{told.removeprefix("<br>")}</figcaption></figure><script>{script()}</script></body></html>
-"""
+    of = {"policy": policy(), "title": escape(title), "block": block, "script": script()}
+    page = Template(asset("mesh.html")).substitute(of, told=told.removeprefix("<br>"))
     return write_atomically(path, page.encode("utf-8"))
 
 
@@ -255,9 +246,8 @@ def _cells(mesh: Any, groups: list[IntArray], values: FloatArray | None) -> tupl
     faces too, so that they are seen inside others.
     """
     at = np.argsort(mesh.nodes)
-    nodes = np.where(
-        mesh.connectivity >= 0, at[np.searchsorted(mesh.nodes, mesh.connectivity, sorter=at) % at.size], -1
-    )
+    rows = at[np.searchsorted(mesh.nodes, mesh.connectivity, sorter=at) % at.size]
+    nodes = np.where(mesh.connectivity >= 0, rows, -1)
     group = np.full(len(mesh.elements), -1)
     order = np.argsort(mesh.elements)
     for i, own in enumerate(groups):
@@ -380,13 +370,8 @@ def page_data(one: Scene) -> str:
         "scale": [] if one.values is None else [one.scale, *one.span, *SCALE],
         "named": [[text, *placed(place)] for text, place in one.named(one.points)],
         "arrows": [
-            {
-                "tails": placed(a.tails),
-                "heads": placed(a.heads),
-                "colour": a.colour,
-                "width": a.width,
-                "label": a.label,
-            }
+            {"tails": placed(a.tails), "heads": placed(a.heads)}
+            | {"colour": a.colour, "width": a.width, "label": a.label}
             for a in one.arrows
         ],
         "moves": {name: whole(scale * moves[used]) for name, moves in list(one.moves.items())[:most]},

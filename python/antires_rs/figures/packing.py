@@ -50,11 +50,15 @@ def library() -> str:
     return packed_text(_drawer()) if find_spec("bokeh") else ""
 
 
+def asset(name: str) -> str:
+    """A file beside this module, a text."""
+    return files(__package__).joinpath("assets", name).read_text(encoding="utf-8")
+
+
 @cache
 def script() -> str:
     """What draws scenes, and what unpacks them and the figures."""
-    assets = files(__package__).joinpath("assets")
-    return "".join(assets.joinpath(name).read_text(encoding="utf-8") for name in ("scene.js", "live.js"))
+    return "".join(map(asset, ("scene.js", "live.js")))
 
 
 def policy() -> str:

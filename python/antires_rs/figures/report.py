@@ -7,8 +7,8 @@ import os
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from html import escape
-from importlib.resources import files
 from pathlib import Path
+from string import Template
 from typing import Any
 
 import numpy as np
@@ -27,7 +27,7 @@ from ..updating.result import UpdateResult
 from ..watch.monitor import Watched, alarm_lines, fault_lines, rate_lines
 from . import report_parts as parts
 from .canvas import picture
-from .packing import library, packed, policy, script
+from .packing import asset, library, packed, policy, script
 from .report_parts import Drawings, Facts
 from .responses import dof_name
 from .sets import draw_monitor, panels, size_in, watched_figure
@@ -85,7 +85,7 @@ def write_report(
     made = ", ".join(f"{name} {version}" for name, version in versions().items())
     when = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
     template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    html = template.from_string(_asset("report.html")).render(
+    html = template.from_string(asset("report.html")).render(
         title=title or f"{'Damage assessment' if damage else 'Model updating'} with {values}",
         answer=parts.answer_of(result),
         lead=_lead(result),
@@ -105,10 +105,6 @@ def write_report(
         policy=policy(),
     )
     return write_atomically(path, html.encode("utf-8"))
-
-
-def _asset(name: str) -> str:
-    return files(__package__).joinpath("assets", name).read_text(encoding="utf-8")
 
 
 def _lead(result: UpdateResult) -> str:
@@ -174,7 +170,7 @@ def write_monitor_report(watched: Watched, path: str | os.PathLike[str]) -> None
     if watched.failed:
         notes.append(f"failed, not judged: {len(watched.failed)} tests")
     # The style of the other reports; the charts are explored where bokeh is installed.
-    style = _asset("report.html").split("<style>")[1].split("</style>")[0]
+    style = asset("report.html").split("<style>")[1].split("</style>")[0]
     live = draw = ""
     if drawer := library():
         block_of = '<script type="text/plain" {}>{}</script>'
@@ -184,25 +180,17 @@ def write_monitor_report(watched: Watched, path: str | os.PathLike[str]) -> None
     # Indented lines belong to the one above.
     text = escape("\n".join(line.rstrip() for line in alarm_lines(watched))).replace("\n  ", "<br>")
     told = "".join(f"<p>{line}</p>" for line in text.splitlines())
-    page = f"""<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{policy()}">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Watch: {alarms} of {count} tests alarm</title><link rel="icon" href="data:,">
-<style>{style}</style></head><body>
-<h1>antires_rs watch</h1>
-<p class="answer">{alarms:,} of {count:,} tests outside the baseline alarm</p>
-<p class="lead">{escape(state)}. Baseline: {watched.baseline.size} tests,
-{watched.dof.size} antiresonances.</p>
-<figure><img alt="Charts of all tests over their limits, and the first condition"
-src="data:image/png;base64,{image}">{live}
-<figcaption>Each chart over its limit: crosses above 1 are alarms. The baseline is shaded; its tests are
-judged by the others.</figcaption></figure>
-<h2>Alarms</h2>
-{told or "<p>None.</p>"}
-<h2>Rate and conditions</h2>
-<ul class="notes">{"".join(f"<li>{escape(line)}</li>" for line in notes)}</ul>
-<p class="lead">antires_rs {escape(__version__)}, {datetime.now(UTC):%Y-%m-%d %H:%M} UTC</p>
-{draw}</body></html>
-"""
+    page = Template(asset("watch.html")).substitute(
+        policy=policy(),
+        style=style,
+        alarms=f"{alarms:,}",
+        count=f"{count:,}",
+        lead=f"{escape(state)}. Baseline: {watched.baseline.size} tests,\n{watched.dof.size} antiresonances.",
+        image=image,
+        live=live,
+        told=told or "<p>None.</p>",
+        notes="".join(f"<li>{escape(line)}</li>" for line in notes),
+        made=f"antires_rs {escape(__version__)}, {datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
+        draw=draw,
+    )
     write_atomically(path, page.encode())

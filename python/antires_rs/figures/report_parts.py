@@ -370,9 +370,8 @@ def _turned(result: UpdateResult, loss: Mapping[int, float] | None, at: dict[str
         for e, beta in result.severity.items():
             says[e] = f"{100 * beta:.1f} %"
             if e in chance:
-                says[e] += (
-                    f"{f' ({_interval(*limits[e])})' if beta else ''}, probability {percent(chance[e])}"
-                )
+                within = f" ({_interval(*limits[e])})" if beta else ""
+                says[e] += f"{within}, probability {percent(chance[e])}"
     # As many as are shown, beside six rigid bodies.
     modes = result.model.modes(n_modes=min(MOST_MODES + 6, result.model.n_dof))
     return scene(result.model, loss, at["sensors"], at["excitation"], at["label"], shapes_of(modes), says)
@@ -492,14 +491,8 @@ def tables_of(
         columns = zip(problem.names, result.x, spreads, problem.nominal, problem.bounds, strict=True)
         for name, value, std, nominal, (low, high) in columns:
             change = f"{100 * (value / nominal - 1):+.2f}" if nominal else ""
-            cells = (
-                name,
-                f"{nominal:.5g}",
-                f"{value:#.5g}",
-                std.replace("nan", ""),
-                change,
-                f"{low:g} to {high:g}",
-            )
+            numbers = (f"{nominal:.5g}", f"{value:#.5g}", std.replace("nan", ""), change)
+            cells = (name, *numbers, f"{low:g} to {high:g}")
             rows.append(dict(zip(heads, cells, strict=True)) | {"on_bound": name in result.at_bound})
         tables["found"] = Table("Parameters", heads, rows, "on_bound")
     corrected = ", corrected by the baseline" * judged
@@ -547,11 +540,8 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
     for e, name, std, (low, high) in columns:
         lost, other = result.severity[e], instead.get(e)
         interval = limits.get(e, (0.0, 0.0)) if other is None else (other.low[0], other.high[0])
-        row: dict[str, Any] = {
-            "name": label(e),
-            "value": percent(lost),
-            "std": _deviation(100.0 * std) if lost > 0.0 else "",
-        }
+        row: dict[str, Any] = {"name": label(e), "value": percent(lost)}
+        row["std"] = _deviation(100.0 * std) if lost > 0.0 else ""
         row |= {} if other is None else {"value": f"or {percent(other.severities[0])}"}
         row |= {"bounds": f"{100 * low:g} to {100 * high:g}", "visible": percent(result.detectable[e])}
         row |= {"interval": _interval(*interval), "probability": _probability(chance.get(e, 0.0))}
@@ -592,12 +582,9 @@ def _frequency_rows(table: Any, names: list[str]) -> list[dict[str, Any]]:
             return f"{value:.0f}"
         return signed(value) if name.endswith("percent") else f"{value:.3f}"
 
-    columns = {
-        name: getattr(table, name if "_" in name else f"{name}_hz")
-        for name in names
-        if name not in ("mode", "dof", "force")
-    }
-    cells = {name: [cell(name, one) for one in column] for name, column in columns.items()}
+    own = {name: name if "_" in name else f"{name}_hz" for name in names}
+    shown = [name for name in names if name not in ("mode", "dof", "force")]
+    cells = {name: [cell(name, one) for one in getattr(table, own[name])] for name in shown}
     every = zip(*cells.values(), strict=True)
     rows: list[dict[str, Any]] = [dict(zip(cells, row, strict=True)) for row in every]
     if isinstance(table, ModalTable):
