@@ -1,6 +1,7 @@
 """Pictures: what is drawn, with which units, and into which axes."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from antires_rs.signals.data_check import check_data
 from tests.support import every_picture, four_masses
 from tests.support.four_masses import BAND, DOFS, SPRINGS, chain, exact
 from tests.support.refusals import refused
+from tests.support.snapshots import refusal, replay
 
 PICTURES = {  #: Every public picture: the units in its labels.
     **{"stabilization": ("(Hz)", "(-)"), "singular_values": ("(Hz)", "(dB re noise power)")},
@@ -137,22 +139,11 @@ def test_singular_values_are_in_decibels_over_the_noise(record, ax):
 
 
 def test_what_cannot_be_drawn_is_refused(record, judged):
+    """Each line of the file is a call and what is said of it."""
     alone = ar.FrequencyResponse(np.linspace(0.5, 9.0, 300), np.ones((2, 300)))
-    t = ar.transmissibility(record, 0, nperseg=512)
-    force = {"excitation": 0}
-    for name, given, more, said in (
-        ("singular_values", [check_data(alone, band_hz=BAND)], {}, "no spectral matrix"),
-        ("singular_values", [record], {}, "got Recording"),
-        ("responses", [t, chain()], {"dofs": [0], **force}, "reference"),
-        ("responses", [t, chain()], {"dofs": [9], **force}, r"\[1, 2, 3\]"),
-        ("responses", [record, chain()], force, "FrequencyResponse"),
-        ("convergence", [judged], {}, "without a search; wanted the result of a search. See result.hy"),
-        ("hypotheses", [judged.hypotheses], {"most": 0}, "^most: got 0"),
-        ("chain", [chain(), [1.0, 2.0]], {}, r"an array \(3,\)"),
-        ("chain", [chain()], {"excitation": 9}, "excitation"),
-        ("damage", [judged], {"truth": [0.0, 0.4, 0.0]}, "truth"),
-    ):
-        refused(said, getattr(figures, f"plot_{name}"), *given, **more)
+    t, plot = ar.transmissibility(record, 0, nperseg=512), figures
+    here = globals() | locals()
+    replay(Path(__file__).with_name("wrong_pictures.txt"), lambda call: refusal(lambda: eval(call, here)))
 
 
 # -- Measured curves beside those of the model

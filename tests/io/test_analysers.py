@@ -71,25 +71,6 @@ def test_dewesoft(tmp_path, rate):
     assert read.dofs == ("AI_1", "AI_2")
 
 
-BOTH = {"FRF": exported(H, 0.5, "g/N", 1.0, over="Hz"), "Signal": exported(ROWS, 1 / FS, "g", 1.0)}
-APART = {"Data1_a": TIME, "Data1_time_a": TIME, "Data1_b": TIME, "Data1_time_b": TIME + 5.0}
-UNREADABLE = [
-    (BOTH, "over time and functions over frequency"),
-    (APART, "channels that begin together"),
-    ({"Signal": exported(ROWS, 1.0, "g", 1.0, over="deg")}, "lies over 'deg'"),
-    ({"Data1_H": TIME + 1j, "Sample_rate": FS}, "complex values"),
-    ({"test": {"fs": "65,536", "unit": "g", "acc": ROWS}}, "without a sampling rate"),  # which of two?
-    ({"test": {"fs": "100 furlongs", "unit": "g", "acc": ROWS}}, "without a sampling rate"),
-    ({"acc": ROWS, "fs": 1.0, "fs_unit": "furlong"}, "fs is in 'furlong'.*Export it in s or Hz, or give"),
-]
-
-
-@pytest.mark.parametrize(("held", "said"), UNREADABLE)
-def test_what_cannot_be_read_is_refused(tmp_path, held, said):
-    with pytest.raises(ar.AntiresError, match=said):
-        mat(tmp_path, held)
-
-
 @pytest.mark.parametrize(
     "rate",
     [

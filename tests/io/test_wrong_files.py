@@ -12,6 +12,7 @@ import pytest
 from scipy.io import savemat
 
 import antires_rs as ar
+from tests.io.test_analysers import exported
 from tests.support.snapshots import replay
 from tests.support.uff_files import dataset, written
 
@@ -90,9 +91,7 @@ def spectrum(power):
 
 
 def response(step):
-    """As Siemens Testlab exports one."""
-    x = {"start_value": 0.0, "increment": step, "number_of_values": 32.0, "quantity": {"label": "Hz"}}
-    return {"x_values": x, "y_values": {"values": H.T, "quantity": {"label": "g/N"}}}
+    return exported(H, step, "g/N", 1.0, over="Hz")
 
 
 def matrices(name, content, *more):

@@ -140,7 +140,7 @@ def test_processes_last_from_round_to_round_and_end_when_left_in_the_middle():
             raise TimeoutError
 
     with pytest.raises(TimeoutError), workers:
-        list(workers.in_order(range(4), poll=enough))
+        list(workers.as_done(range(4), poll=enough))
     assert time.monotonic() - start < 5.0
     assert multiprocessing.active_children() == []
 

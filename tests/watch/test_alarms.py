@@ -3,11 +3,13 @@
 Limits were set on random eight- and fourteen-mass chains of other seeds; here is a chain of six.
 """
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import antires_rs as ar
-from tests.support.refusals import refused
+from tests.support.snapshots import refusal, replay
 from tests.watch.drawn_tests import STD, chain, drawn, exact, many
 
 INTACT, DAMAGED = exact(chain()), exact(chain(0.01))
@@ -170,19 +172,8 @@ def test_damage_of_any_size_alarms_and_is_no_fault(sets, spring):
     assert not watched.faults
 
 
-OF_BASELINE = {"8": 5, "baseline": slice(100, 200), "baseline: got": "first"}
-OF_BASELINE |= {f"baseline: got {wrong}": wrong for wrong in (True, -5, 71)}
-SAID = [(words, {"baseline": wrong}) for words, wrong in OF_BASELINE.items()]
-SAID += [("antiresonances in common", {"series": [ar.AntiresonanceSet(0, {0: []})] * 12})]
-SAID += [("series", {"series": 3}), (r"sets\[0\]", {"series": [3]}), ("max_shift", {"max_shift": 0.0})]
-SAID += [("false_alarm_rate", {"false_alarm_rate": 0.5}), ("conditions", {"conditions": {"t": [1.0]}})]
-SAID += [
-    ("elementz: got an unknown option", {"model": chain(), "elementz": 1}),
-    ("model", {"model": "chain"}),
-]
-SAID += [(r"elements\[0\]: got 99", {"model": chain(), "elements": [99]}), ("elements", {"elements": [0]})]
+def test_what_is_wrong_is_said(sets):
+    def said(options):
+        return refusal(lambda: ar.monitor(**({"series": sets, "baseline": 10} | eval(options))))
 
-
-@pytest.mark.parametrize(("wrong", "options"), SAID)
-def test_what_is_wrong_is_said(sets, wrong, options):
-    refused(wrong, ar.monitor, **({"series": sets, "baseline": 10} | options))
+    replay(Path(__file__).with_name("wrong_monitor.txt"), said)
