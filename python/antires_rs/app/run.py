@@ -357,20 +357,14 @@ def _losses(result: DamageResult, at_once: bool) -> dict[str, Any]:
     elements = result.severity.keys()
     probable = [one for one in (result.hypotheses if judged else ()) if one.probability >= _LEAST]
     figures = ("probability_of_damage", "probability_elsewhere", "chi_square")
+    own = {"elements": "elements", "probability": "probability", "stiffness_loss": "severities"}
+    own |= {"low_90": "low", "high_90": "high", "candidate": "candidate"}
+    columns = {key: [getattr(one, name) for one in probable] for key, name in own.items()}
+    rows = rows_of(name=[result.hypotheses.called(one) for one in probable], **columns) if judged else None
     return {
         "headline": result.headline if judged else None,
         **{name: number(getattr(result, name)) if judged else None for name in figures},
-        "hypotheses": rows_of(
-            name=[result.hypotheses.called(one) for one in probable],
-            elements=[list(one.elements) for one in probable],
-            probability=[one.probability for one in probable],
-            stiffness_loss=[list(one.severities) for one in probable],
-            low_90=[list(one.low) for one in probable],
-            high_90=[list(one.high) for one in probable],
-            candidate=[one.candidate for one in probable],
-        )
-        if judged
-        else None,
+        "hypotheses": rows,
         "damaged": result.damaged,
         "elements": rows_of(
             element=elements,

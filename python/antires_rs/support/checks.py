@@ -185,9 +185,8 @@ def dof_labels(name: str, value: Iterable[Any] | None, count: int) -> tuple[Any,
     if isinstance(value, str | bytes):
         reject(name, value, wanted, _LABELS)
     try:
-        labels = tuple(
-            int(v) if isinstance(v, int | np.integer) and not isinstance(v, bool) else v for v in value
-        )
+        whole = (int, np.integer)
+        labels = tuple(int(v) if isinstance(v, whole) and not isinstance(v, bool) else v for v in value)
         distinct = len(set(labels))
     except TypeError:
         reject(name, value, wanted, _LABELS)

@@ -38,10 +38,8 @@ AHEAD = 6
 _RESULT_S = 120.0  # an answer that has not come so long after its task was done counts as a lost worker
 _FOR_GOOD = (ImportError, AttributeError, TypeError, pickle.PicklingError)  # what no repetition mends
 _THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-_REMEDY = (
-    "Pass a number, a concurrent.futures executor (itself, not its map), or a Client of a Dask cluster "
-    '(pip install "antires-rs[dask]").'
-)
+_REMEDY = "Pass a number, a concurrent.futures executor (itself, not its map), or a Client of a Dask cluster "
+_REMEDY += '(pip install "antires-rs[dask]").'
 _NEW = "Make a new one; or pass a number of processes, of which lost ones are replaced."
 
 
@@ -416,21 +414,14 @@ class Workers:
         elif self._own and hasattr(self._executor, "shutdown"):
             self._executor.shutdown(wait=not at_once, cancel_futures=True)
 
-    def in_order(
-        self,
-        tasks: Iterable[Any],
-        *,
-        errors: Errors = "raise",
-        what: str = "",
-        poll: Callable[[], None] | None = None,
-    ) -> Iterator[Any]:
+    def in_order(self, tasks: Iterable[Any], *, errors: Errors = "raise", what: str = "") -> Iterator[Any]:
         """The result of each task in their order, read no further than needed; an exception in its turn.
 
-        With ``errors="return"`` that is a :class:`Failed`. ``poll`` is called ten times a second.
+        With ``errors="return"`` that is a :class:`Failed`.
         """
         waiting: dict[int, Any] = {}
         start, nth = time.monotonic(), 0
-        with closing(self._round(tasks, waiting, poll)) as round_:
+        with closing(self._round(tasks, waiting)) as round_:
             for total in round_:
                 while nth in waiting:
                     value = waiting.pop(nth)
@@ -445,7 +436,7 @@ class Workers:
     def as_done(
         self, tasks: Iterable[Any], *, poll: Callable[[], None] | None = None
     ) -> Iterator[tuple[int, Any]]:
-        """The number of each task with its result, or a :class:`Failed`, as they come."""
+        """The number of each task with its result, or a :class:`Failed`; ``poll`` ten times a second."""
         arrived: dict[int, Any] = {}
         with closing(self._round(tasks, arrived, poll)) as round_:
             for _ in round_:
@@ -453,7 +444,7 @@ class Workers:
                     yield nth, arrived.pop(nth)
 
     def _round(
-        self, tasks: Iterable[Any], arrived: dict[int, Any], poll: Callable[[], None] | None
+        self, tasks: Iterable[Any], arrived: dict[int, Any], poll: Callable[[], None] | None = None
     ) -> Generator[int | None, None, None]:
         """Whenever something was put into ``arrived``: how many tasks there are, where that is known."""
         a_chunk_s = getattr(self._executor, "a_chunk_s", 0.0) if self._seconds else 0.0
@@ -540,14 +531,12 @@ def in_order(
     tasks: Iterable[Any],
     workers: Any = None,
     *,
-    shared: Any = None,
-    seconds_a_chunk: float = 1.0,
-    losses: int = 10,
     errors: Errors = "raise",
     what: str = "",
+    **options: Any,
 ) -> Iterator[Any]:
     """One round of :class:`Workers`, which tells the arguments; nothing begins before it is asked for."""
-    with Workers(function, workers, shared=shared, seconds_a_chunk=seconds_a_chunk, losses=losses) as open_:
+    with Workers(function, workers, **options) as open_:
         yield from open_.in_order(tasks, errors=errors, what=what)
 
 

@@ -159,12 +159,12 @@ class ConditionTable:
             first = ", ".join(map(repr, self.names[:3]))
             reject("conditions", f"tests named {first}, ...", "names of the sources", "Compare the names.")
 
-    def in_order(self, names: Sequence[str]) -> tuple[dict[str, list[float]], Any]:
+    def in_order(self, names: Sequence[str]) -> tuple[dict[str, FloatArray], Any]:
         """Columns and times of all tests of a series."""
         self.expect(len(names))
         rows = [self.at(i, name) for i, name in enumerate(names)]
         self.over(len(names))
-        columns = {key: [row[key] for row, _ in rows] for key in self.columns}
+        columns = {key: np.array([row[key] for row, _ in rows]) for key in self.columns}
         times = ["NaT" if time is None else time for _, time in rows]
         return columns, None if self.times is None else np.array(times, dtype="datetime64[ms]")
 

@@ -454,8 +454,7 @@ def monitor(
     _check_judge(model, assessor, first, assessment)
     given: Mapping[str, FloatArray] = tests.conditions
     if conditions is not None:
-        columns, _ = condition_table(conditions)[0].in_order(tests.names)
-        given = {name: np.array(column) for name, column in columns.items()}
+        given, _ = condition_table(conditions)[0].in_order(tests.names)
     clocks = tuple(name for name, column in given.items() if _is_clock(column))
     used = {name: _believed(column, own) for name, column in given.items() if name not in clocks}
     step("matching antiresonances")

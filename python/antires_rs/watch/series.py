@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, replace
 from pathlib import Path
 from typing import Any, Self, overload
 
@@ -65,6 +66,7 @@ def _chosen(at: Any, count: int) -> int | NDArray[np.intp]:
     return found
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class Series(ReadOnly):
     """Antiresonances of many tests of one structure under one force, with what was measured beside them.
 
@@ -99,37 +101,19 @@ class Series(ReadOnly):
     """
 
     sets: Sequence[AntiresonanceSet | None]
+    _: KW_ONLY
     names: tuple[str, ...]
-    times: NDArray[np.datetime64] | None
     conditions: Mapping[str, FloatArray]
+    times: NDArray[np.datetime64] | None
     failed: Mapping[int, str]
     excitation: Any
     dofs: tuple[Any, ...]
-    interrupted: bool
+    interrupted: bool = False
 
-    def __init__(
-        self,
-        sets: Sequence[AntiresonanceSet | None],
-        *,
-        names: Sequence[str],
-        conditions: Mapping[str, Any],
-        times: Any,
-        failed: Mapping[int, str],
-        excitation: Any,
-        dofs: tuple[Any, ...],
-        interrupted: bool = False,
-    ) -> None:
-        columns = {name: np.array(column, dtype=np.float64) for name, column in conditions.items()}
-        self._fill(
-            sets=sets,
-            names=tuple(names),
-            conditions=FrozenDict({name: frozen(column) for name, column in columns.items()}),
-            times=None if times is None else frozen(times),
-            failed=FrozenDict(sorted(failed.items())),
-            excitation=excitation,
-            dofs=dofs,
-            interrupted=interrupted,
-        )
+    def __post_init__(self) -> None:
+        columns = {name: frozen(np.array(own, dtype=np.float64)) for name, own in self.conditions.items()}
+        self._fill(conditions=FrozenDict(columns), failed=FrozenDict(sorted(self.failed.items())))
+        self._fill(names=tuple(self.names), times=None if self.times is None else frozen(self.times))
 
     def __iter__(self) -> Iterator[AntiresonanceSet | None]:
         return iter(self.sets)
@@ -270,16 +254,14 @@ class Series(ReadOnly):
         chosen = _chosen(at, len(self))
         if isinstance(chosen, int):
             return self.sets[chosen]
-        rank = {int(i): k for k, i in enumerate(chosen)}
-        return Series(
-            self.sets.take(rank) if isinstance(self.sets, StoredSets) else [self.sets[i] for i in rank],
-            names=[self.names[i] for i in rank],
+        rank, sets = {int(i): k for k, i in enumerate(chosen)}, self.sets
+        return replace(
+            self,
+            sets=sets.take(rank) if isinstance(sets, StoredSets) else [sets[i] for i in rank],
+            names=tuple(self.names[i] for i in rank),
             conditions={name: column[chosen] for name, column in self.conditions.items()},
             times=None if self.times is None else self.times[chosen],
             failed={rank[i]: why for i, why in self.failed.items() if i in rank},
-            excitation=self.excitation,
-            dofs=self.dofs,
-            interrupted=self.interrupted,
         )
 
     def __repr__(self) -> str:
