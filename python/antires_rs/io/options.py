@@ -1,4 +1,4 @@
-"""What readers and writers take: each common option with its type, its text and its default once.
+"""What readers and writers take: each common option with its type and default; texts: ``options.txt``.
 
 A reader names its family of options, ``**options: Unpack[Selected]``; :func:`reader` puts them into its
 signature and their texts into its docstring.
@@ -97,66 +97,18 @@ class OfColumns(OverEither, total=False):
     pairs: str | None
 
 
-_TEXTS = """
-path : path-like
-responses : str or sequence of str, optional
-    Names of the responses, ``*`` for any text; by default all that have no other role. A matrix gives one
-    channel for each row, the longer axis being time or frequency.
-time, freq : str, optional
-    Name of the time or the frequency; by default the array called so.
-first : {"time", "freq", "channel"}, optional
-    What the first column is. By default its name tells, and complex columns lie over frequency.
-fs_hz : float, optional
-    Sampling rate, where the file has none and no time; in place of the file's where it has one.
-dofs : sequence, mapping or callable, optional
-    Dof of each response: in order, by name, or a function of the name; None leaves one out. Default: the
-    names, or 0, 1, ... without names.
-force : str or None
-    Name of the force; "auto" takes the one in N or called force, if there is one; None leaves it out.
-unit : str, optional
-    Unit of the responses, in place of the file's: ``'m/s2'``, ``'g'``, ``'g/N'`` and the like; SI by default.
-kind, reference
-    Of responses over frequency: as in :class:`FrequencyResponse`; "frf" by default.
-pairs : {"real_imag", "magnitude_deg", "magnitude_rad", "db_deg", "db_rad"}, optional
-    What two neighbouring columns after the first are, where their names do not tell.
-freq_hz : (n_freq,), optional
-    Frequencies of the responses, where the file does not hold them. Of a matrix the axis of that length is
-    frequency.
-df_hz : float, optional
-    Their spacing from 0 Hz on, in place of ``freq_hz``.
-align : bool
-    Take gaps and jitter in the time as they are. Only :func:`align` uses a record with gaps.
-partial : bool
-    Read what is whole of a file that was cut, with a warning that counts what is missing.
-time_limit_s, memory_limit_gb : float
-    Limits of the child process that reads (the memory's where the system has such limits).
-"""
-_RAISES = """
-UnsuitableDataError
-    A file that is cut, damaged or of another kind, or whose channels do not fit together: other rates,
-    lengths or starts, gaps in time, names that leave open what is what.
-InvalidInputError
-    Options that do not fit the file.
-MissingDependencyError
-    The package that reads the format, where it takes one, is not installed.
-FileNotFoundError
-    There is none.
-"""
-_WARNS = """
-AntiresWarning
-    Units that are unknown or missing, another rate than ``fs_hz``, parts that are left out.
-"""
-_WRITER = """
-path : path-like
-    Replaced if it exists.
-signal : Recording or FrequencyResponse
-"""
-_WRITER_RAISES = """
-InvalidInputError
-    The folder does not exist, or dofs that are neither integers nor strings.
-"""
 _SECTION = re.compile(r"^(\w+)\n-+\n", re.MULTILINE)
 _ITEM = re.compile(r"^(?=\S)", re.MULTILINE)
+
+
+def _sections(text: str) -> tuple[str, dict[str, str]]:
+    """What stands before the first section of a text, and the sections by name."""
+    head, *parts = _SECTION.split(text + "\n")
+    return head, {name: own.rstrip() + "\n" for name, own in zip(parts[::2], parts[1::2], strict=True)}
+
+
+#: What all readers, and all writers, have in common.
+_COMMON = _sections(Path(__file__).with_name("options.txt").read_text(encoding="utf-8"))[1]
 
 
 def reader(function: Made) -> Made:
@@ -174,14 +126,14 @@ def reader(function: Made) -> Made:
     parameters = [path, *shared, *rest]
     function.__signature__ = own.replace(parameters=parameters)  # type: ignore[attr-defined]
     made = "Recording" if own.return_annotation == "Recording" else "Recording or FrequencyResponse"
-    common = {"Returns": f"{made}\n    In SI.\n", "Raises": _RAISES.lstrip(), "Warns": _WARNS.lstrip()}
-    _document(function, _TEXTS, common)
+    common = {"Returns": f"{made}\n    In SI.\n", "Raises": _COMMON["Raises"], "Warns": _COMMON["Warns"]}
+    _document(function, _COMMON["Readers"], common)
     return function
 
 
 def writer(function: Made) -> Made:
     """Docstring of a writer with what all of them take."""
-    _document(function, _WRITER, {"Returns": "pathlib.Path\n", "Raises": _WRITER_RAISES.lstrip()})
+    _document(function, _COMMON["Writers"], {"Returns": "pathlib.Path\n", "Raises": _COMMON["Refusals"]})
     return function
 
 
@@ -189,8 +141,7 @@ def _document(function: Any, texts: str, common: dict[str, str]) -> None:
     """Add the texts of parameters that a docstring does not describe, and what is common to its sections."""
     if function.__doc__ is None:  # python -OO
         return
-    head, *parts = _SECTION.split(inspect.cleandoc(function.__doc__) + "\n")
-    sections = {name: text.rstrip() + "\n" for name, text in zip(parts[::2], parts[1::2], strict=True)}
+    head, sections = _sections(inspect.cleandoc(function.__doc__))
     own = sections.get("Parameters", "")
     order = list(inspect.signature(function).parameters)
     lacking = set(order) - set(_names(own))
