@@ -131,12 +131,3 @@ def test_units_of_responses_and_beside_a_rate_that_does_not_matter(tmp_path):
     read = mat(tmp_path, {"test": {"H": H, "f": np.arange(1.0, 101.0), "unit": "mm/s2/N"}})
     np.testing.assert_allclose(read.values, 1e-3 * H)
     assert mat(tmp_path, {"acc": ROWS, "fs": FS, "fs_unit": "furlong"}, unit="g", fs_hz=FS).fs_hz == FS
-
-
-def test_a_spectrum_in_tdms_is_no_record(tmp_path):
-    nptdms = pytest.importorskip("nptdms")
-    said = {"wf_increment": 0.5, "unit_string": "g", "wf_xname": "Frequency", "wf_xunit_string": "Hz"}
-    with nptdms.TdmsWriter(tmp_path / "a.tdms") as file:
-        file.write_segment([nptdms.ChannelObject("run", "tip", np.arange(3.0), properties=said)])
-    with pytest.raises(ar.UnsuitableDataError, match="'tip' lies over frequency"):
-        ar.read_tdms(tmp_path / "a.tdms")

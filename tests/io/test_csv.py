@@ -173,13 +173,6 @@ def test_decimal_commas_that_only_the_first_rows_have(tmp_path):
     assert ar.read_csv(file).responses[0].tolist() == [0.5, 0.25] + [0.0] * 10
 
 
-@pytest.mark.parametrize("bad", ["0.0,1.#QNAN", "0.0,---", "0.0,"])
-def test_a_first_row_that_is_damaged_is_not_taken_for_names(tmp_path, bad):
-    file = tmp_path / "run.csv"
-    file.write_text(f"time,tip\n{bad}\n0.1,2\n0.2,3\n0.3,4\n")
-    unsuitable("not numeric throughout", ar.read_csv, file, first="time")
-
-
 def test_quotes_around_names_and_numbers(tmp_path):
     file = tmp_path / "run.csv"
     file.write_text('"time [s]","tip, left [g]"\n"0","1.0"\n"0.5","2.0"\n"1","3"\n')

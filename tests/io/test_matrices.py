@@ -126,17 +126,20 @@ def dmig(matrix, name, wide):
     return "\n".join(lines) + "\n"
 
 
+def op4_strings(column, layout):
+    """First row and values of each run that a column of OUTPUT4 has; and the row in its head."""
+    rows = np.flatnonzero(column)
+    dense = layout == "dense"
+    runs = [rows[[0, -1]]] if dense else np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
+    return [(run[0], column[run[0] : run[-1] + 1]) for run in runs], rows[0] + 1 if dense else 0
+
+
 def op4_text(matrix, name, layout):
     lines = [f"{5:8d}{(-5 if layout == 'big' else 5):8d}{6:8d}{2:8d}{name:<8}1P,3E23.16"]
     for j in range(5):
-        rows = np.flatnonzero(matrix[:, j])
-        if layout == "dense":
-            strings = [(rows[0], matrix[rows[0] : rows[-1] + 1, j])]
-            lines.append(f"{j + 1:8d}{rows[0] + 1:8d}{2 * strings[0][1].size:8d}")
-        else:
-            runs = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
-            strings = [(run[0], matrix[run, j]) for run in runs]
-            lines.append(f"{j + 1:8d}{0:8d}{sum(2 * v.size + 1 for _, v in strings):8d}")
+        strings, head = op4_strings(matrix[:, j], layout)
+        words = sum(2 * values.size + (layout != "dense") for _, values in strings)
+        lines.append(f"{j + 1:8d}{head:8d}{words:8d}")
         for first, values in strings:
             if layout == "big":
                 lines.append(f"{2 * values.size + 1:8d}{first + 1:8d}")
@@ -155,16 +158,11 @@ def op4_binary(matrix, name, layout, order, kind):
     rows_stated = -5 if layout == "big" else 5
     out = record(struct.pack(f"{order}4i8s", 5, rows_stated, 6, words, name.ljust(8).encode()))
     for j in range(5):
-        rows = np.flatnonzero(matrix[:, j])
-        if layout == "dense":
-            head, data = rows[0] + 1, matrix[rows[0] : rows[-1] + 1, j].astype(f"{order}{kind}").tobytes()
-        else:
-            head, data = 0, b""
-            for run in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1):
-                length = words * run.size + 1
-                words_of = [length, run[0] + 1] if layout == "big" else [run[0] + 1 + 65536 * length]
-                data += struct.pack(f"{order}{len(words_of)}i", *words_of)
-                data += matrix[run, j].astype(f"{order}{kind}").tobytes()
+        (strings, head), data = op4_strings(matrix[:, j], layout), b""
+        for first, values in strings:
+            length = words * values.size + 1
+            lead = {"big": [length, first + 1], "packed": [first + 1 + 65536 * length]}.get(layout, [])
+            data += struct.pack(f"{order}{len(lead)}i", *lead) + values.astype(f"{order}{kind}").tobytes()
         out += record(struct.pack(f"{order}3i", j + 1, head, len(data) // 4) + data)
     return out + record(struct.pack(f"{order}3i{words}i", 6, 1, words, *[0] * words))
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from tests.support.refusals import refused, unsuitable
+from tests.support.refusals import unsuitable
 
 RNG = np.random.default_rng(31)
 #: 10,000 nodes of a box girder that is not symmetric, numbered from 1000.
@@ -111,10 +111,3 @@ def test_nodes_of_a_universal_file(tmp_path, number, per_m):
     assert ar.match_points({"a": (0.5, 0.25, 0.0, "+X")}, file).dofs == {"a": "9:X"}
     turned = matched.apply(ar.read_uff(file))
     np.testing.assert_allclose(turned.responses[1], -record.responses[1], rtol=1e-6)
-
-
-def test_what_is_no_point_is_refused():
-    refused("points: got", ar.match_points, {}, NODES)
-    refused(r"points\['a'\]: got \(0.0, 1.0\)", ar.match_points, {"a": (0.0, 1.0)}, NODES)
-    refused("a direction such as", ar.match_points, {"a": (0.0, 1.0, 0.0, "up")}, NODES)
-    refused("three numbers", ar.match_points, {"a": (0.0, 1.0, 0.0, (0, 0, 0))}, NODES)

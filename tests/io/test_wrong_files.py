@@ -98,6 +98,10 @@ def matrices(name, content, *more):
     return raw(name, content.encode(), lambda path: ar.read_matrices(path, *more))
 
 
+def points(given):
+    return lambda folder: ar.match_points(given, {1: (0.0, 0.0, 0.0)})
+
+
 def dof_map(content):
     return raw("dofs.txt", content.encode(), ar.io.read_dof_map)
 
