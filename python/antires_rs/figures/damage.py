@@ -63,7 +63,7 @@ def losses(result: DamageResult, truth: Mapping[int, float] | None, upright: boo
     """Bars of the losses found, with all that is known of each element; names ``upright`` where many."""
     names, x = element_names(result), np.arange(len(result.x), dtype=np.float64)
     found, visible = 100.0 * np.asarray(result.x), 100.0 * np.array(list(result.detectable.values()))
-    truths = _truths(result, truth)
+    truths = 100.0 * np.array([(truth or {}).get(e, np.nan) for e in result.elements])
     low = high = instead = np.full(x.size, np.nan)
     judged = result.has_baseline
     if judged:
@@ -88,7 +88,8 @@ def losses(result: DamageResult, truth: Mapping[int, float] | None, upright: boo
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
         marks.append(Points(x[some], middle[some], "", error=half[some], label="90 % interval"))
     if truth is not None:
-        marks.append(_diamonds(x, truths))
+        look: dict[str, Any] = {"face": "none", "stroke": 1.3, "spill": True}  # bars stay visible
+        marks.append(Points(x, truths, "D", 8.0, label="truth", **look))
     if judged:
         chance = list(result.probability.values())
         marks.append(Heads(x, list(map(_percent, chance)), [p >= 0.5 for p in chance], only="picture"))
@@ -117,15 +118,6 @@ def _alternatives(found: Assessment, elements: list[int]) -> FloatArray:
 def _percent(p: float) -> str:
     """In whole percent; what is nearly 0 or 1 is not rounded to it."""
     return "<1" if p < 0.005 else ">99" if p > 0.995 else f"{100 * p:.0f}"
-
-
-def _truths(result: DamageResult, truth: Mapping[int, float] | None) -> FloatArray:
-    return 100.0 * np.array([(truth or {}).get(e, np.nan) for e in result.elements])
-
-
-def _diamonds(x: Any, truths: FloatArray) -> Mark:
-    """Known losses, so that the bars stay visible."""
-    return Points(x, truths, "D", 8.0, face="none", stroke=1.3, spill=True, label="truth")
 
 
 def _smallest_seen(x: FloatArray, visible: FloatArray, top: float) -> list[Mark]:

@@ -283,9 +283,8 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     if text.startswith(MARK) or any(line.startswith("# crc32: ") for line in lines[:_MOST_HEAD]):
         _header(file, lines, table)
     body = [line.rstrip() for line in lines if line.strip() and not line.lstrip().startswith(_COMMENT)]
-    trailing = (
-        delimiter is None and len(body) > 1 and all(map(_trails, body[len(body) // 2 : -1] or body[:1]))
-    )
+    middle = body[len(body) // 2 : -1] or body[:1]
+    trailing = delimiter is None and len(body) > 1 and all(map(_trails, middle))
     if trailing:  # some programs end every row with a delimiter, and with it the names or not
         trailing = not _trails(body[-1])
         body, ended = [line.rstrip()[:-1] if _trails(line) else line for line in body], ended and not trailing
