@@ -34,17 +34,7 @@ from .inference import (
     learned_from,
     refitted,
 )
-from .likelihood import (
-    ALIKE_STD,
-    MANY,
-    Likelihood,
-    ModelError,
-    Prepared,
-    Question,
-    ValueLikelihood,
-    View,
-    rows_of,
-)
+from .likelihood import ALIKE_STD, MANY, Likelihood, ModelError, Prepared, Question, View, rows_of
 from .measured_states import Column, Responses, Roots, Values, roots_at, same_data, values_of
 from .shape_search import Crack
 from .shapes import CRACKED, PLACES, Shape, Shaped, joined, parameters_of
@@ -404,10 +394,6 @@ class Plan:
         """The full run's own likelihood: its antiresonances and errors are computed."""
         return self.question.prepared(1, silent=True)
 
-    def likelihood(self, now: Values) -> Likelihood:
-        """The same of another test."""
-        return self.prepared.likelihood.of(now, self.prepared.intact)
-
     @cached_property
     def expected(self) -> dict[Any, Expected]:
         """By force label: what a new set may hold."""
@@ -440,19 +426,23 @@ def plan_of(question: Question, rng: np.random.Generator, threads: int) -> Plan:
 # -- The search of :mod:`~antires_rs.damage.inference` with antiresonances from tables, for one test
 
 
-class TabulatedLikelihood(ValueLikelihood):
-    """p(values of a test | severities) from tables; views are those of the full run."""
+class TabulatedLikelihood(Likelihood):
+    """The full run's likelihood of a test, with tables for what is asked often; views are computed."""
 
     def __init__(self, plan: Plan, now: Values) -> None:
-        self.plan, self.now, self.n = plan, now, len(plan.question.numbers)
-        self.computed = plan.likelihood(now)
+        prepared = plan.prepared
+        vars(self).update(vars(prepared.likelihood.of(now, prepared.intact)))
+        self.plan = plan
         self._asked = np.arange(int(plan.tables.response.max(initial=-1)) + 1)
         self.test = self._test(0.0, 0.0)
-        # Sets are judged from where the surroundings lead to: what they are compared with is, too.
-        self.start = self.computed.start if self.computed.ambient.shape[1] else self.seen((), np.empty(0))
+
+    @cached_property
+    def start(self) -> View:
+        """By the tables, unless sets are judged from where the surroundings lead to."""
+        return super().without_damage(0.0, 0.0) if self.ambient.shape[1] else self.seen((), np.empty(0))
 
     def _test(self, extra: float, common: float) -> _core.PreparedTest:
-        now, plan, band = self.now, self.plan, self.computed.band
+        now, plan = self.now, self.plan
         return _core.PreparedTest(
             plan.tables_in_core,
             now.response.tolist(),
@@ -460,41 +450,31 @@ class TabulatedLikelihood(ValueLikelihood):
             now.std.tolist(),
             now.test.tolist(),
             now.times_measured(self._asked).tolist(),
-            (band.low, band.high),
-            float(np.hypot(plan.question.options.std_common, common)),
+            (self.band.low, self.band.high),
+            float(np.hypot(self.common, common)),
             extra,
-            self.computed.errors.tolist(),
+            self.errors.tolist(),
             (ALIKE_STD, plan.heat, MANY),
             plan.learned.outside,
         )
 
     def without_damage(self, extra: Any, common: float) -> View:
-        """See the base class."""
-        return self._view(np.zeros(self.n), self._test(extra, common).look([], []))
+        """See the base class; by the tables."""
+        return self._told(np.zeros(self.n), self._test(extra, common).look([], []))
 
     def log_without_damage(self, extra: float, common: float) -> float:
         """The same without slopes."""
         return float(self._test(extra, common).settle([([], [])], 1, 0.0)[0][-1])
 
-    def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
-        """See the base class; computed."""
-        return self.computed.views(betas, extra)
-
-    def unexplained(self, betas: FloatArray) -> FloatArray:
-        """See the base class; by the roots of the tables."""
-        sets = [np.flatnonzero(beta) for beta in betas]
-        asked = [(s.tolist(), (-np.log1p(-b[s])).tolist()) for s, b in zip(sets, betas, strict=True)]
-        return np.array([left for _, left in self.test.refine(asked, 0)])
-
     def seen(self, elements: Elements, u: FloatArray) -> View:
         """From severities of some elements, by the tables."""
         (beta,) = self.rows(elements, -np.expm1(-u)[None])
-        return self._view(beta, self.test.look(list(elements), u.tolist()))
+        return self._told(beta, self.test.look(list(elements), u.tolist()))
 
-    def _view(self, beta: FloatArray, found: Any) -> View:
+    def _told(self, beta: FloatArray, found: Any) -> View:
         log_likelihood, gain, curvature, error, *rest = found
-        kappa, times = self.computed.errors[error, :2].tolist()
-        rest.append(self.computed.error.gain_std)
+        kappa, times = self.errors[error, :2].tolist()
+        rest.append(self.error.gain_std)
         return View(beta, log_likelihood, gain, curvature, kappa, times, *rest)
 
 
@@ -569,7 +549,7 @@ class QuickSearch(Search):
         fits |= self._cracked([(other, shapes[other - first].size, best.u) for other in (k - 1, k + 1)], top)
         best = max(fits.values(), key=lambda fit: fit.log_evidence)
         (beta,) = likelihood.rows(s, best.beta[None])
-        view = likelihood._view(beta, test.look(list(best.elements), best.u.tolist()))
+        view = likelihood._told(beta, test.look(list(best.elements), best.u.tolist()))
         # At all other places it explains next to nothing.
         rest = replace(best, log_evidence=best.log_evidence - _CRACK_HOPELESS)
         every = {*fits, *(first + k for k in range(1, len(shapes), 2))}
