@@ -248,10 +248,8 @@ def learned(
         intact, _ = undamaged(theta)
         prior = np.concatenate([s[group] ** 2, taus[intact.kind] ** 2])
         none, partner = np.empty((0, prior.size)), np.empty(0, dtype=np.intp)
-        mean = np.zeros(prior.size)
-        return ModelError(
-            theta, float(s[0]), taus, intact, partner, values.log_f, 0.0, mean, none, prior, None
-        )
+        untold = 0.0, np.zeros(prior.size), none, prior, None
+        return ModelError(theta, float(s[0]), taus, intact, partner, values.log_f, *untold)
     fixed = assumed is not None
     rest = group, low, s, taus, fixed, values, undamaged
     starts = [theta]
@@ -848,9 +846,7 @@ class Likelihood:
             room = 1.0 - beta[: self.n_elements]
             astray = error.unlearned * np.linalg.norm(np.log(room)) * slopes[:, : self.n_elements] * room
             spread = spread + astray @ astray.T
-        own = (
-            np.broadcast_to(extra, log_f.shape) if np.ndim(extra) == 0 else np.asarray(extra)[roots.response]
-        )
+        own = np.asarray(extra)[roots.response] if np.ndim(extra) else np.full(log_f.size, extra)
         foreseen = Foreseen(
             roots,
             log_f + beside,
@@ -963,9 +959,8 @@ class _Families(NamedTuple):
             return self.plain
         base, every = joined(base, joints) if more and joints else base, (*factors, *more)
         reductions = stiffness_reduction(self.question.numbers)
-        core = self.responses.source(
-            base, model.description.core_parameters((*reductions, *every)), **self.how
-        )
+        parts = model.description.core_parameters((*reductions, *every))
+        core = self.responses.source(base, parts, **self.how)
         least = np.repeat([-_REACH, -_YIELDS], [len(springs), len(joints)])[: len(more)]
         group = np.pad(self.plain.group, (0, len(more)), constant_values=1)
         along = structure.along
@@ -1014,13 +1009,9 @@ class _Families(NamedTuple):
         still = replace(intact, log_f=intact.log_f - moved) if moved.any() else intact
         error, family = self.taught(self.plain, still), self.plain
         if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
-            reject(
-                "model",
-                f"one that does not explain the measurement: no {responses.noun} near the measured ones",
-                "a model of the tested structure",
-                f"{question.hint()} Check units, dofs and supports of the model, and the band of the "
-                "measurement.".lstrip(),
-            )
+            got = f"one that does not explain the measurement: no {responses.noun} near the measured ones"
+            remedy = "Check units, dofs and supports of the model, and the band of the measurement."
+            reject("model", got, "a model of the tested structure", f"{question.hint()} {remedy}".lstrip())
         if identified and not question.reduced and intact.size:
             error, family = self.likeliest(error, still)
         place = error.place + moved
@@ -1091,15 +1082,15 @@ class Question:
         no value yet."""
         model, numbers, factors = self.model, self.numbers, factors_of(self.model)
         frame, surrounded = structure_of(model), self.options.environment or ()
-        group = np.zeros(len(factors), dtype=np.intp)
+        springs: tuple[Parameter, ...] = ()
         if "supports" in surrounded:  # what changes needs a factor, be it right in the model
-            factors += tuple(p for p in frame.springs if p.terms[0] not in model._springs)
+            springs = tuple(p for p in frame.springs if p.terms[0] not in model._springs)
+        group, factors = np.repeat([0, 1], [len(factors), len(springs)]), factors + springs
         sides: Any = measured_modes if isinstance(self.measured[0], ModalSet) else measured_states
         responses, intact, now = sides(model, self.baseline, self.measured)
         how: Any = {"silent": True} if silent else {}
         parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
         core: Any = responses.source(model, parts, **how)
-        group = np.pad(group, (0, len(factors) - group.size), constant_values=1)
         plain = _Family(frame, model, core, factors, group, np.full(len(factors), -_REACH), frame.along)
         if self.reduced and isinstance(responses, Responses):
             plain = plain._replace(core=ReducedRoots(Terms(model, responses.parts, numbers, factors), core))
