@@ -381,11 +381,8 @@ class Plan:
     @cached_property
     def heat(self) -> list[float]:
         """Changes of ln stiffness by temperature, (k, n), one after the other."""
-        by_term = {
-            p.terms: row
-            for p, row in zip(self.prepared.factors, self.prepared.likelihood.warmer, strict=True)
-            if p.quantity == "stiffness_factor"
-        }
+        both = zip(self.prepared.factors, self.prepared.likelihood.warmer, strict=True)
+        by_term = {p.terms: row for p, row in both if p.quantity == "stiffness_factor"}
         numbers, none = self.question.numbers, np.zeros(self.prepared.likelihood.warmer.shape[1])
         return np.array([by_term.get((e,), none) for e in numbers]).T.ravel().tolist()
 
@@ -496,7 +493,6 @@ _JOINED = (0, 10, 3)  # so many elements join a set of one and of two in the lin
 #: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
 #: the same for those of the answer.
 _RESTS, _LOOKS, _SURE_RESTS = 0.06, 2, 1e-2
-_CLOSE, _LAST = 0.4, 2  # sets within this of the likeliest are judged at the end, so many
 #: Elements so near to the likeliest set (log probability), and so many, may be cracked instead; cracks so far
 #: behind it do not count. Steps by the nearest values, after which those so far behind are left out; looks,
 #: and the longest step (u).
@@ -518,8 +514,6 @@ class QuickSearch(Search):
     judged: set[Elements] = field(default_factory=set)
     #: The same as in ``rough`` of pairs in the linear model of a single element.
     grown: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
-    #: How much more evidence computed antiresonances gave to judged pairs than the tables.
-    gained: dict[Elements, float] = field(default_factory=dict)
     looks: int = 0  # at computed antiresonances
     cut: bool = False  # whether sets that may be the most probable ones were not judged
 
@@ -691,15 +685,7 @@ class QuickSearch(Search):
         size = max(map(len, chosen))
         self._exchange(size)
         while near := self._open(size, 0.0, self.seen):
-            if len(near[0]) > 1 and self.looks < _EARLY:
-                self._settle(near[0])
-                continue
-            for _ in range(_LOOKS):
-                u = self._u(near[0])
-                self._judge_from(self.likelihood.seen(near[0], u), near[0])
-                if np.abs(self._u(near[0]) - u).max() <= _SURE_RESTS:
-                    break
-            self._judge(near[0], self.fits[near[0]].view, itself=False)
+            self._settle(near[0], computed=len(near[0]) > 1 and self.looks < _EARLY)
         if size == 1:
             self._grow()
 
@@ -719,43 +705,34 @@ class QuickSearch(Search):
     def _open(self, size: int, room: float, done: set[Elements]) -> list[Elements]:
         """Sets of at most ``size`` elements near the likeliest that are not done, the likeliest first."""
         weights = self._weights()
-        for s, (log_evidence, _) in self.rough.items():
-            # What the tables lack of one pair they lack of those that share an element with it.
-            alike = (gain for pair, gain in self.gained.items() if len(s) == 2 and not {*s}.isdisjoint(pair))
-            weights[s] = log_evidence + max(alike, default=0.0) + self.log_prior(s)
+        weights |= {s: log_evidence + self.log_prior(s) for s, (log_evidence, _) in self.rough.items()}
         least = max(w for s, w in weights.items() if len(s) <= size) - room
         if least == -np.inf:
             return []
         near = [s for s, w in weights.items() if w >= least and s and len(s) <= size and s not in done]
         return sorted(near, key=lambda s: -weights[s])
 
-    def _judge_from(self, view: View, elements: Elements) -> None:
-        """Judge a set from its own severities."""
-        rough = self.rough.pop(elements, None)
-        self.seen.add(elements)
-        self.fits[elements] = fit = refitted(view, elements)
-        if rough and len(elements) == 2:
-            self.gained[elements] = fit.log_evidence - rough[0]
-
-    def _settle(self, elements: Elements, rests: float = _RESTS) -> None:
-        """Judge a set from its own severities, as the full run does."""
-        u, before = self._u(elements), self.looks
+    def _settle(self, elements: Elements, *, computed: bool) -> None:
+        """Judge a set from its own severities by the tables or, ``computed``, as the full run does."""
         for _ in range(_LOOKS):
-            seen = self.fits[elements].view.beta[list(elements)] if elements in self.judged else u
-            if elements in self.judged and np.abs(u - _within(seen)).max() <= rests:
-                break
-            (view,) = self.likelihood.views(self.likelihood.rows(elements, -np.expm1(-u)[None]))
-            self.looks += 1
-            self.judged.add(elements)
-            self._judge_from(view, elements)
             u = self._u(elements)
-        if self.looks > before:
-            self._judge(elements, self.fits[elements].view, itself=False)
+            if computed:
+                (view,) = self.likelihood.views(self.likelihood.rows(elements, -np.expm1(-u)[None]))
+                self.looks += 1
+                self.judged.add(elements)
+            else:
+                view = self.likelihood.seen(elements, u)
+            self.rough.pop(elements, None)
+            self.seen.add(elements)
+            self.fits[elements] = refitted(view, elements)
+            if np.abs(self._u(elements) - u).max() <= (_RESTS if computed else _SURE_RESTS):
+                break
+        self._judge(elements, self.fits[elements].view, itself=False)
 
-    def _explains(self, gain: float) -> bool:
-        """See the base class; nor may a set be likelier that was not judged."""
+    def _hidden(self, fit: Fit, gain: float) -> bool:
+        """Whether a pair that was not judged may be likelier; see the base class, which asks for more."""
         most = max((log_evidence for log_evidence, _ in self.grown.values()), default=-np.inf)
-        return super()._explains(gain) and most <= self._likeliest.log_evidence
+        return most > self._likeliest.log_evidence
 
     def _grow(self) -> None:
         """See pairs in the linear model of their likeliest single elements, as the full run does."""
@@ -790,17 +767,7 @@ class QuickSearch(Search):
             if self.looks >= _MOST_LOOKS:
                 self.cut = True
                 break
-            self._settle(near[0])
-        done: set[Elements] = set()
-        while len(done) < _LAST and self.looks < _MOST_LOOKS:
-            weights = self._weights()
-            top = max(weights.values())
-            near = [s for s, w in weights.items() if s and s not in done and w > top - _CLOSE]
-            if not near:
-                return
-            best = max(near, key=lambda s: weights[s])
-            self._settle(best, _SURE_RESTS)
-            done.add(best)
+            self._settle(near[0], computed=True)
 
 
 def _both(view: View, a: int) -> tuple[FloatArray, FloatArray, FloatArray]:
