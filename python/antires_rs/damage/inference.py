@@ -885,9 +885,8 @@ def posterior(
             fit = search.fits[elements]
             ends = [fit.interval(nth, SHARES)[0] for nth in range(len(elements))]
             low, high = (tuple(end[side] for end in ends) for side in (0, 1))
-            row = Hypothesis(
-                own, probability, tuple(fit.beta.tolist()), low, high, not search.outside(elements)
-            )
+            losses = tuple(fit.beta.tolist()), low, high
+            row = Hypothesis(own, probability, *losses, not search.outside(elements))
         rows.append((elements, row))
     return sorted(rows, key=lambda row: (-row[1].probability, row[1].unknown, row[0]))
 

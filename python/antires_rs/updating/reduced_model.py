@@ -112,10 +112,8 @@ class Affine(Large):
         self.stiffness, self.mass = matrices(self.core)
         self.of_stiffness = [_SCALES[p.quantity] == "K" for p in problem.parameters]
         every = {True: self.core.stiffness_terms(), False: self.core.mass_terms()}
-        self.terms = [
-            Term.of(*(every[of_stiffness][term] for term in p.terms))
-            for p, of_stiffness in zip(problem.parameters, self.of_stiffness, strict=True)
-        ]
+        own = zip(problem.parameters, self.of_stiffness, strict=True)
+        self.terms = [Term.of(*(every[of_k][term] for term in p.terms)) for p, of_k in own]
 
 
 # -- A basis that carries a model and its parameters' effect near one point, for antiresonances up to a limit
