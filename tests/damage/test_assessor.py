@@ -9,7 +9,8 @@ import pytest
 import antires_rs as ar
 from reference.wrong_chains import NOMINAL, N, changed, states
 from tests.support.campaign import some_of
-from tests.support.refusals import each_of, refused
+from tests.support.refusals import refused
+from tests.support.snapshots import refusals
 
 
 @pytest.fixture(scope="module")
@@ -189,30 +190,9 @@ THREE = ar.DamagePrior(nothing=0.0, one=0.0, two=0.0, three=0.98, elsewhere=0.01
 ONLY_THREE = ar.DamagePrior(nothing=0.0, one=0.0, two=0.0, three=1.0, elsewhere=0.0, unknown=0.0)
 
 
-WRONG = {"baseline": [{"baseline": value} for value in ([], "intact", [ar.AntiresonanceSet(0, {1: []})])]}
-WRONG |= {"elements": [{"elements": []}], r"elements\[0\]: got 99": [{"elements": [99]}]}
-WRONG |= {"prior": [{"prior": 0.5}], "false_alarm_rate": [{"search": ar.SearchOptions(false_alarm_rate=0.9)}]}
-WRONG |= {"std_common": [{"search": ar.SearchOptions(std_common=-1.0)}]}
-WRONG |= {"always damage": [{"prior": ALWAYS, "search": ar.SearchOptions(false_alarm_rate=0.05)}]}
-WRONG |= {"model": [{"model": "chain"}]}
-WRONG |= {"stiffness_terms": [{"model": ar.MatrixModel(2e4 * np.eye(6), np.eye(6))}]}
-OF_TESTS = {"zeros": ["zeros", [], 3.0, [3.0]], "force at 5": [ar.AntiresonanceSet(5, {1: [20.0]})]}
-
-
-@pytest.mark.parametrize(("words", "options"), each_of(WRONG))
-def test_wrong_arguments_are_refused(prepared, words, options):
-    refused(words, ar.Assessor, **({"model": NOMINAL, "baseline": prepared[1]} | options))
-
-
-@pytest.mark.parametrize(
-    ("words", "zeros"), [*each_of(OF_TESTS), ("no antiresonance", ar.AntiresonanceSet(0, {1: []}))]
-)
-def test_wrong_tests_are_refused(prepared, words, zeros):
-    refused(words, prepared[0].assess, zeros)
-
-
-def test_a_prior_that_allows_none_of_the_hypotheses_is_refused(prepared):
-    refused("allows none of the hypotheses", assessor(prepared[1], prior=ONLY_THREE).assess, prepared[1])
+def test_wrong_arguments_and_tests_are_refused(prepared):
+    made, before, _ = prepared
+    refusals(__file__, "wrong_assessors.txt", globals() | {"made": made, "before": before})
 
 
 @pytest.mark.parametrize("prior", [ALWAYS, THREE], ids=["always damage", "three or none of ours"])

@@ -14,7 +14,7 @@ from antires_rs.damage.likelihood import Question
 from reference.wrong_chains import NOMINAL, N, assessed, chain, changed, measured, states, truth
 from tests.damage.test_modes import measured as modes
 from tests.support.campaign import some_of
-from tests.support.refusals import each_of, refused
+from tests.support.snapshots import refusals
 
 
 def assess(now, before, **options):
@@ -294,23 +294,12 @@ BEFORE, NOW = states(7, (0, 0.4, 0, 0, 0))
 PAIRS_ONLY = ar.DamagePrior(nothing=0.5, one=0.0, two=0.4, three=0.0, elsewhere=0.05, unknown=0.05)
 
 
-WRONG = {"gamma1": [{"search": ar.SearchOptions(gamma1=0.1)}]}
-WRONG |= {"false_alarm_rate": [{"baseline": None, "search": RATE}]}
-WRONG |= {"false_alarm_rate.*one element alone": [{"prior": PAIRS_ONLY, "search": RATE}]}
-WRONG |= {"only together with a baseline": [{"baseline": None, "search": ar.SearchOptions(reduction=True)}]}
-WRONG |= {"search": [{"search": {"gamma1": 0.1}}]}
-WRONG |= {"reduction": [{"search": ar.SearchOptions(reduction="always")}]}
-WRONG |= {"optimizer": [{"optimizer": ar.IslandGA()}]}
-WRONG |= {"baseline": [{"baseline": BEFORE[:1]}, {"baseline": "intact"}]}
-WRONG |= {"baseline: got no antiresonance": [{"baseline": ar.AntiresonanceSet(0, {1: []})}]}
-WRONG |= {"baseline: got a ModalSet": [{"baseline": ar.ModalSet([1.0], [[1.0, 2.0]])}]}
-WRONG |= {"elements": [{"elements": "all"}, {"elements": [1, 1]}]}
+def assessed_now(**given):
+    return ar.assess_damage(NOMINAL, NOW, **{"baseline": BEFORE} | given)
 
 
-@pytest.mark.parametrize(("wrong", "given"), each_of(WRONG))
-def test_what_has_no_effect_or_no_meaning_is_refused(wrong, given):
-    refused(wrong, ar.assess_damage, NOMINAL, NOW, **({"baseline": BEFORE} | given))
-    refused("prior", ar.DamagePrior, nothing=0.9)
+def test_what_has_no_effect_or_no_meaning_is_refused():
+    refusals(__file__, "wrong_damage.txt", globals())
 
 
 def test_flat_options_of_before_work_and_warn(tmp_path):

@@ -15,8 +15,9 @@ from antires_rs.identification.scores import graded
 from antires_rs.measured.antiresonance_set import AntiresonanceSet
 from antires_rs.measured.response_table import ResponseTable, doubts_of
 from antires_rs.support.checks import Dofs, forces_at, label_text
-from tests.support.refusals import each_of, refused
+from tests.support.refusals import refused
 from tests.support.same_sets import assert_same_set
+from tests.support.snapshots import refusals
 
 
 def example():
@@ -118,19 +119,14 @@ def test_dataframe(monkeypatch):
         example().to_dataframe()
 
 
-WRONG = {"freq_hz": [{}, [1.0, 2.0], {0: [1.0, -2.0]}, {0: [0.0]}, {0: [np.nan]}, {0: ["x"]}, {1.5: [1.0]}]}
-WRONG |= {"excitation": [None]}
-WRONG |= {"damping_ratio": [{1: [0.1]}, {0: [0.1, 0.2]}, [0.1], {0: ["x"]}, {0: [np.inf]}]}
-WRONG |= {"std_hz": [{0: [-0.1]}], "sees": ["both"]}
-WRONG["scores"] = [{5: {"rows": [1]}}, {0: {"rows": [1, 2]}}, {0: {"rows": ["many"]}}, {0: {"why": [1j]}}]
-WRONG["scores"] += [{0: [1]}, {0: {"rows": [[1], [2, 3]]}}]
-WRONG |= {"channels": ["01", [5], 3]}
+def made(*given, **options):
+    return AntiresonanceSet(
+        *given, **options if given else {"excitation": 0, "freq_hz": {0: [1.0]}} | options
+    )
 
 
-@pytest.mark.parametrize(("argument", "value"), each_of(WRONG))
-def test_bad_arguments_are_named(argument, value):
-    with pytest.raises(ar.InvalidInputError, match=f"^{argument}.*: got "):
-        AntiresonanceSet(**({"excitation": 0, "freq_hz": {0: [1.0]}} | {argument: value}))
+def test_bad_arguments_are_named():
+    refusals(__file__, "wrong_sets.txt", globals())
 
 
 # -- The table of a response; printed: frequency, deviation, grade and doubts
@@ -326,17 +322,6 @@ def test_minors_are_reciprocal_when_a_hammer_roves():
     other = ar.AntiresonanceSet([1, 2], {(1, 5): [9.0]})
     joined = ar.merge_setups([of_two_forces(), other], excitation=[5, 1], check="off")
     assert {key: own.tolist() for key, own in joined.items()} == {(0, 4): [36.2, 58.5], (1, 2): [9.0]}
-
-
-def test_what_is_no_set_of_several_forces_is_refused():
-    made = ar.AntiresonanceSet
-    refused("the same dof twice", made, [0, 0], {(1, 2): 3.0})
-    refused("1 dof; wanted 2 responses for 2 forces", made, [0, 4], {1: 3.0})
-    refused("2 dofs; wanted 1 response for 1 force", made, 0, {(1, 2): 3.0})
-    refused("the same dof twice", made, [0, 4], {(1, 1): 3.0})
-    refused("more than once", made, [0, 4], {(1, 2): 3.0, (2, 1): 4.0})
-    refused("without a dof", made, [], {1: 3.0})
-    refused("named by an integer or a string", made, [0, 4.5], {(1, 2): 3.0})
 
 
 def test_several_dofs_have_one_spelling():

@@ -98,18 +98,6 @@ def test_tables_of_a_comparison():
 ONE = ar.AntiresonanceSet(0, {0: [8.7], 1: [14.4]})
 
 
-WRONG = [(ONE, {0: [8.7]}, {}, "b"), ([ONE], ONE, {}, "a")]
-WRONG += [(ONE, ar.AntiresonanceSet(1, {0: [8.7]}), {}, "b")]
-WRONG += [(ONE, ar.AntiresonanceSet(0, {5: [8.7]}), {}, "b"), (ONE, ONE, {"alpha": 0.0}, "alpha")]
-WRONG += [(ONE, ONE, {"max_shift": 0.0}, "max_shift"), (ONE, ONE, {"std_between": -1.0}, "std_between")]
-
-
-@pytest.mark.parametrize(("a", "b", "options", "name"), WRONG)
-def test_bad_arguments_of_compare_are_named(a, b, options, name):
-    with pytest.raises(ar.InvalidInputError, match=f"^{name}: got "):
-        ar.compare(a, b, **options)
-
-
 @cache
 def shaken(stiffness=1.0):
     model = ar.MassSpringChain(np.ones(4), stiffness * np.full(3, 4e4), ground_first_n_per_m=2e4)

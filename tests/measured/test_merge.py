@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from tests.support.refusals import refused, unsuitable
+from tests.support.refusals import unsuitable
+from tests.support.snapshots import refusals
 
 MODEL = ar.MassSpringChain([0.5593] + 7 * [0.4194], np.full(7, 56.7e3))
 STD = 3e-4
@@ -71,13 +72,11 @@ def test_the_setup_that_disagrees_is_named():
 
 
 ONE, OTHER = (setup(k, (0, 1), np.random.default_rng(0)) for k in (0, 1))
+TEN, ELSEWHERE, ANOTHER = (ar.AntiresonanceSet(k, {dof: [10.0]}) for k, dof in ((0, 0), (1, 0), (0, 1)))
 
 
-def test_bad_arguments_of_merge_are_named():
-    refused("^sets: got .*list of 2", ar.merge_setups, [ONE])
-    refused(r"^sets\[1\]: got .*excitation=DOF", ar.merge_setups, [ONE, OTHER])
-    refused(r"^sets\[0\]: got .*Name a place", ar.merge_setups, [ONE, OTHER], excitation=5)
-    refused("^check: got .*one of", ar.merge_setups, [ONE, ONE], check="maybe")
+def test_bad_arguments_are_named():
+    refusals(__file__, "wrong_tests.txt", globals())
 
 
 def test_the_same_set_twice_counts_once():
@@ -184,42 +183,3 @@ def test_tables_of_tracks():
     data = followed.to_xarray()
     assert dict(data.sizes) == {"test": 2, "track": 2}
     assert data["change_percent"].values[1, 0] == pytest.approx(1.0)
-
-
-WRONG = [(sets_of([10.0]), {}, "sets"), (sets_of([10.0])[0], {}, "sets")]
-WRONG += [([*sets_of([10.0]), 3], {}, r"sets\[1\]")]
-WRONG += [([*sets_of([10.0]), ar.AntiresonanceSet(1, {0: [10.0]})], {}, r"sets\[1\]")]
-WRONG += [([*sets_of([10.0]), ar.AntiresonanceSet(0, {1: [10.0]})], {}, "sets")]
-WRONG += [(sets_of([10.0], [10.0]), {"conditions": [1.0]}, "conditions")]
-WRONG += [(sets_of([10.0], [10.0]), {"conditions": "ab"}, "conditions")]
-WRONG += [(sets_of([10.0], [10.0]), {"max_shift": 2.0}, "max_shift")]
-
-
-@pytest.mark.parametrize(("sets", "options", "name"), WRONG)
-def test_bad_arguments_of_track_are_named(sets, options, name):
-    refused(f"^{name}: got ", ar.track, sets, **options)
-
-
-def test_what_was_seen_once_or_not_for_long_takes_nothing_over():
-    # A value drifts by a tenth over 400 tests; now and then a false one lies where it will be later.
-    rng = np.random.default_rng(3)
-    true = 30.0 + 3.0 * np.arange(400) / 400 + 0.005 * rng.standard_normal(400)
-    tests = [[f] if nth % 9 else [f, f + rng.uniform(0.2, 2.0)] for nth, f in enumerate(true)]
-    followed = ar.track(sets_of(*tests), max_shift=0.01)
-    assert np.array_equal(followed.freq_hz[:, np.argmax(np.sum(~np.isnan(followed.freq_hz), axis=0))], true)
-
-    def kinds_after(gap):
-        return kinds(ar.track(sets_of([10.0, 20.0], *([[10.0]] * gap), [10.0, 20.0])))[1:]
-
-    assert kinds_after(99) == [("back", 100, 20.0)]
-    assert kinds_after(120) == [("new", 121, 20.0)]
-
-
-def test_what_all_setups_were_made_with_is_remembered():
-    setups = [
-        ar.AntiresonanceSet(
-            0, {0: [8.7], dof: [14.4 + dof]}, options={"band_hz": [3, 30], "max_order": order}
-        )
-        for dof, order in ((1, 40), (2, 60))
-    ]
-    assert ar.merge_setups(setups, check="off").options == {"band_hz": [3, 30]}

@@ -9,6 +9,7 @@ import antires_rs as ar
 from antires_rs.support.directions import point_of
 from tests.models.shared import random_structure
 from tests.support.refusals import refused
+from tests.support.snapshots import refusals
 from tests.support.tolerances import CLOSED_FORM, ROUNDING
 
 
@@ -160,15 +161,6 @@ def test_damage_and_plans_take_names():
     assert {1, 3}.isdisjoint(model._sensor_dofs)
 
 
-def test_an_unknown_name_is_told_with_those_near_it():
-    model = named()
-    refused(r"^response: got '1204:Y'; .*like '1204:Z', '1204:RX'", model.antiresonances, "1204:Y", 0)
-    refused(r"excitation: got 'hubb'.*like 'hub'", model.antiresonances, 0, "hubb")
-    with pytest.raises(ar.InvalidInputError, match=r"measured dof: got '12\+Z'"):
-        ar.UpdatingProblem(model, ar.stiffness_reduction(1), ar.AntiresonanceSet(0, {"12+Z": [3.0]}))
-    refused(r"constraints\[0\]: got '9:Z'", named, constraints=[{"9:Z": 1.0, "hub": -1.0}])
-
-
 def test_frames_and_chains_have_names_too():
     tube = ar.Tube(0.02, 0.005, 2.1e11, 7850.0)
     frame = ar.FrameModel([(0.0, 0.0), (0.5, 0.0), (1.0, 0.0)], [(0, 1), (1, 2)], tube, fixed=[0])
@@ -180,16 +172,12 @@ def test_frames_and_chains_have_names_too():
     np.testing.assert_array_equal(chain.antiresonances("mass 1", "mass 0"), chain.antiresonances(1, 0))
 
 
-WRONG = [(["a", "b"], "2 names; wanted 6"), (["a", "b", "c", "d", "e", "a"], "'a' more than once")]
-WRONG += [("1204:Z", "6 names, or a mapping"), ([1, 2, 3, 4, 5, 6], r"dofs\[0\]: got 1; wanted a text")]
-WRONG += [({"a": 6}, r"dofs\['a'\]: got 6")]
-WRONG += [(["1:Z", "1 UZ", "2", "3", "4", "5"], "'1:Z' and '1 UZ', two spellings")]
+def unlike(dofs):
+    return ar.MatrixModel(*random_structure(6, 6)[:2], dofs=dofs)
 
 
-@pytest.mark.parametrize(("dofs", "words"), WRONG)
-def test_names_that_do_not_fit(dofs, words):
-    k, m, _ = random_structure(6, 6)
-    refused(words, ar.MatrixModel, k, m, dofs=dofs)
+def test_names_that_do_not_fit_and_unknown_ones_with_those_near_them():
+    refusals(__file__, "wrong_names.txt", globals())
 
 
 # -- What other programs' matrices are like: triangles, damping, rounding-size masses, compression

@@ -83,9 +83,3 @@ def test_a_lightly_damped_structure_rings_at_its_full_level_in_a_short_record():
     integral = np.mean(np.abs(chain.frf(1, 0, freq, damping_ratio=zeta)) ** 2)
     # 150 records of two or three correlation times each: a standard error of some 6 %.
     assert abs(variance / integral - 1.0) < 0.25
-
-
-def test_forces_that_act_at_once_are_simulated_one_by_one():
-    how = {"fs_hz": 50.0, "duration_s": 10.0, "damping_ratio": 0.01}
-    with pytest.raises(ar.InvalidInputError, match="one record for each force, with rng= of its own"):
-        ar.cases.chain8().model.simulate(excitation=[0, 4], **how)

@@ -2,6 +2,7 @@
 
 import os
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 
@@ -22,6 +23,11 @@ def replay(file, said):
     cases = [line.partition(" -> ")[0] for line in file.read_text(encoding="utf-8").splitlines()]
     assert len(set(cases)) == len(cases) > 9
     compare(file, {case: said(case) for case in cases}, " -> ")
+
+
+def refusals(test, file, names):
+    """Each line of the file beside the test is a call, made of ``names``, and what is said of it."""
+    replay(Path(test).with_name(file), lambda call: refusal(eval(f"lambda: {call}", names)))
 
 
 def refusal(call):

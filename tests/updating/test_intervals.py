@@ -11,7 +11,7 @@ from antires_rs.updating import posterior
 from antires_rs.updating.discrepancy import likely_errors
 from antires_rs.updating.identifiability import combination_in_words, sensitivities
 from reference.calibration import QUICK
-from tests.support.refusals import assert_refused, refused
+from tests.support.snapshots import refusals
 
 #: Quantiles of 2,000 independent draws: 0.05 of a distribution lies within 0.005 of its place (one sigma).
 DRAWS = 2000
@@ -239,16 +239,6 @@ def test_errors_that_are_not_stated_are_learned_and_modes_have_intervals_too():
     assert np.all(found.std < 0.03)
 
 
-def test_wrong_names_and_numbers_are_refused():
-    result = springs()
-    refused("spring 8", result.profile, "spring 8")
-    refused("points", result.profile, "stiffness of spring 0", points=2)
-    refused("method", result.intervals, "bootstrap")
-    refused("level", result.intervals, level=1.5)
-    refused("draws", result.intervals, draws=3)
-    refused("spring 8", result.intervals().__getitem__, "spring 8")
-
-
 # ---- What a test could tell, asked before it: against closed forms, finite differences, and what helps
 def virtual(model, dofs, force=0):
     return ar.AntiresonanceSet(force, dict(zip(dofs, model.antiresonances(dofs, force), strict=True)))
@@ -345,7 +335,6 @@ def test_combinations_in_words():
     assert combination_in_words("abcd", against) == "a against b, c"
 
 
-def test_wrong_arguments_are_refused():
-    problem = ar.cases.chain8().updating_problem()
-    for argument, value in (("points", 1), ("noise", 0.0), ("problem", "problem"), ("forces", [99])):
-        assert_refused(argument, ar.identifiability, **({"problem": problem} | {argument: value}))
+def test_wrong_names_and_numbers_are_refused():
+    asked = {"found": springs(), "problem": ar.cases.chain8().updating_problem()}
+    refusals(__file__, "wrong_questions.txt", globals() | asked)

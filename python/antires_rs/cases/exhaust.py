@@ -140,12 +140,9 @@ class Exhaust:
         ``model`` is the updated one, by default the nominal one, which is far from the tested structure.
         """
         source = self.exact(level) if measured is None else measured
-        return UpdatingProblem(
-            self.model if model is None else model,
-            stiffness_reduction(self.candidates if elements is None else list(elements)),
-            self._within(source, self.damage_band_hz),
-            penalty=DamagePenalty(),
-        )
+        losses = stiffness_reduction(self.candidates if elements is None else list(elements))
+        within, undamaged = self._within(source, self.damage_band_hz), model or self.model
+        return UpdatingProblem(undamaged, losses, within, penalty=DamagePenalty())
 
     def search_problem(self, element: int, beta: float) -> UpdatingProblem:
         """Exact targets of the nominal model itself with one damage: for studies of optimizers only."""

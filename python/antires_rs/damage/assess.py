@@ -621,7 +621,7 @@ _LARGE, _OUTSIDE, _LISTED = 0.97, 0.3, 1e-3
 
 def doubts(search: QuickSearch, found: Assessment) -> list[str]:
     """Why a full run is wanted."""
-    now, band, best = search.likelihood.now, search.likelihood.computed.band, found.best
+    now, band, best = search.likelihood.now, search.likelihood.band, found.best
     likeliest = [one.probability for one in found.hypotheses if not one.unknown]
     close = len(likeliest) > 1 and likeliest[1] > likeliest[0] * np.exp(-_CLOSE)
     unknown = sum(one.probability for one in found.hypotheses if one.unknown)

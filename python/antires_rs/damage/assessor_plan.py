@@ -34,17 +34,7 @@ from .inference import (
     learned_from,
     refitted,
 )
-from .likelihood import (
-    ALIKE_STD,
-    MANY,
-    Likelihood,
-    ModelError,
-    Prepared,
-    Question,
-    ValueLikelihood,
-    View,
-    rows_of,
-)
+from .likelihood import ALIKE_STD, MANY, Likelihood, ModelError, Prepared, Question, View, rows_of
 from .measured_states import Column, Responses, Roots, Values, roots_at, same_data, values_of
 from .shape_search import Crack
 from .shapes import CRACKED, PLACES, Shape, Shaped, joined, parameters_of
@@ -391,11 +381,8 @@ class Plan:
     @cached_property
     def heat(self) -> list[float]:
         """Changes of ln stiffness by temperature, (k, n), one after the other."""
-        by_term = {
-            p.terms: row
-            for p, row in zip(self.prepared.factors, self.prepared.likelihood.warmer, strict=True)
-            if p.quantity == "stiffness_factor"
-        }
+        both = zip(self.prepared.factors, self.prepared.likelihood.warmer, strict=True)
+        by_term = {p.terms: row for p, row in both if p.quantity == "stiffness_factor"}
         numbers, none = self.question.numbers, np.zeros(self.prepared.likelihood.warmer.shape[1])
         return np.array([by_term.get((e,), none) for e in numbers]).T.ravel().tolist()
 
@@ -403,10 +390,6 @@ class Plan:
     def prepared(self) -> Prepared:
         """The full run's own likelihood: its antiresonances and errors are computed."""
         return self.question.prepared(1, silent=True)
-
-    def likelihood(self, now: Values) -> Likelihood:
-        """The same of another test."""
-        return self.prepared.likelihood.of(now, self.prepared.intact)
 
     @cached_property
     def expected(self) -> dict[Any, Expected]:
@@ -440,19 +423,23 @@ def plan_of(question: Question, rng: np.random.Generator, threads: int) -> Plan:
 # -- The search of :mod:`~antires_rs.damage.inference` with antiresonances from tables, for one test
 
 
-class TabulatedLikelihood(ValueLikelihood):
-    """p(values of a test | severities) from tables; views are those of the full run."""
+class TabulatedLikelihood(Likelihood):
+    """The full run's likelihood of a test, with tables for what is asked often; views are computed."""
 
     def __init__(self, plan: Plan, now: Values) -> None:
-        self.plan, self.now, self.n = plan, now, len(plan.question.numbers)
-        self.computed = plan.likelihood(now)
+        prepared = plan.prepared
+        vars(self).update(vars(prepared.likelihood.of(now, prepared.intact)))
+        self.plan = plan
         self._asked = np.arange(int(plan.tables.response.max(initial=-1)) + 1)
         self.test = self._test(0.0, 0.0)
-        # Sets are judged from where the surroundings lead to: what they are compared with is, too.
-        self.start = self.computed.start if self.computed.ambient.shape[1] else self.seen((), np.empty(0))
+
+    @cached_property
+    def start(self) -> View:
+        """By the tables, unless sets are judged from where the surroundings lead to."""
+        return super().without_damage(0.0, 0.0) if self.ambient.shape[1] else self.seen((), np.empty(0))
 
     def _test(self, extra: float, common: float) -> _core.PreparedTest:
-        now, plan, band = self.now, self.plan, self.computed.band
+        now, plan = self.now, self.plan
         return _core.PreparedTest(
             plan.tables_in_core,
             now.response.tolist(),
@@ -460,41 +447,31 @@ class TabulatedLikelihood(ValueLikelihood):
             now.std.tolist(),
             now.test.tolist(),
             now.times_measured(self._asked).tolist(),
-            (band.low, band.high),
-            float(np.hypot(plan.question.options.std_common, common)),
+            (self.band.low, self.band.high),
+            float(np.hypot(self.common, common)),
             extra,
-            self.computed.errors.tolist(),
+            self.errors.tolist(),
             (ALIKE_STD, plan.heat, MANY),
             plan.learned.outside,
         )
 
     def without_damage(self, extra: Any, common: float) -> View:
-        """See the base class."""
-        return self._view(np.zeros(self.n), self._test(extra, common).look([], []))
+        """See the base class; by the tables."""
+        return self._told(np.zeros(self.n), self._test(extra, common).look([], []))
 
     def log_without_damage(self, extra: float, common: float) -> float:
         """The same without slopes."""
         return float(self._test(extra, common).settle([([], [])], 1, 0.0)[0][-1])
 
-    def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
-        """See the base class; computed."""
-        return self.computed.views(betas, extra)
-
-    def unexplained(self, betas: FloatArray) -> FloatArray:
-        """See the base class; by the roots of the tables."""
-        sets = [np.flatnonzero(beta) for beta in betas]
-        asked = [(s.tolist(), (-np.log1p(-b[s])).tolist()) for s, b in zip(sets, betas, strict=True)]
-        return np.array([left for _, left in self.test.refine(asked, 0)])
-
     def seen(self, elements: Elements, u: FloatArray) -> View:
         """From severities of some elements, by the tables."""
         (beta,) = self.rows(elements, -np.expm1(-u)[None])
-        return self._view(beta, self.test.look(list(elements), u.tolist()))
+        return self._told(beta, self.test.look(list(elements), u.tolist()))
 
-    def _view(self, beta: FloatArray, found: Any) -> View:
+    def _told(self, beta: FloatArray, found: Any) -> View:
         log_likelihood, gain, curvature, error, *rest = found
-        kappa, times = self.computed.errors[error, :2].tolist()
-        rest.append(self.computed.error.gain_std)
+        kappa, times = self.errors[error, :2].tolist()
+        rest.append(self.error.gain_std)
         return View(beta, log_likelihood, gain, curvature, kappa, times, *rest)
 
 
@@ -516,7 +493,6 @@ _JOINED = (0, 10, 3)  # so many elements join a set of one and of two in the lin
 #: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
 #: the same for those of the answer.
 _RESTS, _LOOKS, _SURE_RESTS = 0.06, 2, 1e-2
-_CLOSE, _LAST = 0.4, 2  # sets within this of the likeliest are judged at the end, so many
 #: Elements so near to the likeliest set (log probability), and so many, may be cracked instead; cracks so far
 #: behind it do not count. Steps by the nearest values, after which those so far behind are left out; looks,
 #: and the longest step (u).
@@ -538,8 +514,6 @@ class QuickSearch(Search):
     judged: set[Elements] = field(default_factory=set)
     #: The same as in ``rough`` of pairs in the linear model of a single element.
     grown: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
-    #: How much more evidence computed antiresonances gave to judged pairs than the tables.
-    gained: dict[Elements, float] = field(default_factory=dict)
     looks: int = 0  # at computed antiresonances
     cut: bool = False  # whether sets that may be the most probable ones were not judged
 
@@ -569,7 +543,7 @@ class QuickSearch(Search):
         fits |= self._cracked([(other, shapes[other - first].size, best.u) for other in (k - 1, k + 1)], top)
         best = max(fits.values(), key=lambda fit: fit.log_evidence)
         (beta,) = likelihood.rows(s, best.beta[None])
-        view = likelihood._view(beta, test.look(list(best.elements), best.u.tolist()))
+        view = likelihood._told(beta, test.look(list(best.elements), best.u.tolist()))
         # At all other places it explains next to nothing.
         rest = replace(best, log_evidence=best.log_evidence - _CRACK_HOPELESS)
         every = {*fits, *(first + k for k in range(1, len(shapes), 2))}
@@ -711,15 +685,7 @@ class QuickSearch(Search):
         size = max(map(len, chosen))
         self._exchange(size)
         while near := self._open(size, 0.0, self.seen):
-            if len(near[0]) > 1 and self.looks < _EARLY:
-                self._settle(near[0])
-                continue
-            for _ in range(_LOOKS):
-                u = self._u(near[0])
-                self._judge_from(self.likelihood.seen(near[0], u), near[0])
-                if np.abs(self._u(near[0]) - u).max() <= _SURE_RESTS:
-                    break
-            self._judge(near[0], self.fits[near[0]].view, itself=False)
+            self._settle(near[0], computed=len(near[0]) > 1 and self.looks < _EARLY)
         if size == 1:
             self._grow()
 
@@ -739,43 +705,34 @@ class QuickSearch(Search):
     def _open(self, size: int, room: float, done: set[Elements]) -> list[Elements]:
         """Sets of at most ``size`` elements near the likeliest that are not done, the likeliest first."""
         weights = self._weights()
-        for s, (log_evidence, _) in self.rough.items():
-            # What the tables lack of one pair they lack of those that share an element with it.
-            alike = (gain for pair, gain in self.gained.items() if len(s) == 2 and not {*s}.isdisjoint(pair))
-            weights[s] = log_evidence + max(alike, default=0.0) + self.log_prior(s)
+        weights |= {s: log_evidence + self.log_prior(s) for s, (log_evidence, _) in self.rough.items()}
         least = max(w for s, w in weights.items() if len(s) <= size) - room
         if least == -np.inf:
             return []
         near = [s for s, w in weights.items() if w >= least and s and len(s) <= size and s not in done]
         return sorted(near, key=lambda s: -weights[s])
 
-    def _judge_from(self, view: View, elements: Elements) -> None:
-        """Judge a set from its own severities."""
-        rough = self.rough.pop(elements, None)
-        self.seen.add(elements)
-        self.fits[elements] = fit = refitted(view, elements)
-        if rough and len(elements) == 2:
-            self.gained[elements] = fit.log_evidence - rough[0]
-
-    def _settle(self, elements: Elements, rests: float = _RESTS) -> None:
-        """Judge a set from its own severities, as the full run does."""
-        u, before = self._u(elements), self.looks
+    def _settle(self, elements: Elements, *, computed: bool) -> None:
+        """Judge a set from its own severities by the tables or, ``computed``, as the full run does."""
         for _ in range(_LOOKS):
-            seen = self.fits[elements].view.beta[list(elements)] if elements in self.judged else u
-            if elements in self.judged and np.abs(u - _within(seen)).max() <= rests:
-                break
-            (view,) = self.likelihood.views(self.likelihood.rows(elements, -np.expm1(-u)[None]))
-            self.looks += 1
-            self.judged.add(elements)
-            self._judge_from(view, elements)
             u = self._u(elements)
-        if self.looks > before:
-            self._judge(elements, self.fits[elements].view, itself=False)
+            if computed:
+                (view,) = self.likelihood.views(self.likelihood.rows(elements, -np.expm1(-u)[None]))
+                self.looks += 1
+                self.judged.add(elements)
+            else:
+                view = self.likelihood.seen(elements, u)
+            self.rough.pop(elements, None)
+            self.seen.add(elements)
+            self.fits[elements] = refitted(view, elements)
+            if np.abs(self._u(elements) - u).max() <= (_RESTS if computed else _SURE_RESTS):
+                break
+        self._judge(elements, self.fits[elements].view, itself=False)
 
-    def _explains(self, gain: float) -> bool:
-        """See the base class; nor may a set be likelier that was not judged."""
+    def _hidden(self, fit: Fit, gain: float) -> bool:
+        """Whether a pair that was not judged may be likelier; see the base class, which asks for more."""
         most = max((log_evidence for log_evidence, _ in self.grown.values()), default=-np.inf)
-        return super()._explains(gain) and most <= self._likeliest.log_evidence
+        return most > self._likeliest.log_evidence
 
     def _grow(self) -> None:
         """See pairs in the linear model of their likeliest single elements, as the full run does."""
@@ -810,17 +767,7 @@ class QuickSearch(Search):
             if self.looks >= _MOST_LOOKS:
                 self.cut = True
                 break
-            self._settle(near[0])
-        done: set[Elements] = set()
-        while len(done) < _LAST and self.looks < _MOST_LOOKS:
-            weights = self._weights()
-            top = max(weights.values())
-            near = [s for s, w in weights.items() if s and s not in done and w > top - _CLOSE]
-            if not near:
-                return
-            best = max(near, key=lambda s: weights[s])
-            self._settle(best, _SURE_RESTS)
-            done.add(best)
+            self._settle(near[0], computed=True)
 
 
 def _both(view: View, a: int) -> tuple[FloatArray, FloatArray, FloatArray]:

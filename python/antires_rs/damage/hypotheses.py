@@ -159,10 +159,8 @@ class Hypotheses(Viewed):
     def __str__(self) -> str:
         lines = []
         for one in self._rows[:_SHOWN]:
-            losses = ", ".join(
-                loss(s, low, high, " %")
-                for s, low, high in zip(one.severities, one.low, one.high, strict=True)
-            )
+            columns = zip(one.severities, one.low, one.high, strict=True)
+            losses = ", ".join(loss(*row, " %") for row in columns)
             lines.append((f"{one.probability:.3f}", self.called(one), losses))
         wide = max(len(words) for _, words, _ in lines)
         shown = ["probability  hypothesis" + " " * max(wide - 8, 2) + "stiffness loss (90 %)"]

@@ -18,7 +18,7 @@ from ..updating.posterior import between, log_between
 from ..updating.problem import Pairs, hint_between_states, roots_between, shown_in_frfs
 from ..updating.reduced_model import ReductionReport
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together, without_idle
-from .likelihood import ERRORS, Likelihood, Prepared, Question, ValueLikelihood, View
+from .likelihood import ERRORS, Likelihood, Prepared, Question, View
 from .measured_states import Responses, Values, mostly_risen, roots_at
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import TOLERANCE, ReducedRoots
@@ -282,7 +282,7 @@ _MANY = 8  # with fewer values to spare two damages are looked at, however well 
 class Search:
     """The sets found so far, by elements; candidates have the first numbers."""
 
-    likelihood: ValueLikelihood
+    likelihood: Likelihood
     n_candidates: int
     prior: DamagePrior = field(default_factory=DamagePrior)
     fits: dict[Elements, Fit] = field(default_factory=dict)
@@ -431,12 +431,10 @@ class Search:
         """Whether another element may explain with errors as they are stated what now takes larger ones."""
         if not fit.elements or (fit.view.kappa == 0.0 and fit.view.times <= 1.0):
             return False
-        view = self.likelihood.strict(fit.view.beta)
-        if view is None:
-            return False
         sets = np.array([(*fit.elements, e) for e in self._further(fit.elements)], dtype=np.intp)
         if not sets.size:
             return False
+        view = self.likelihood.strict(fit.view.beta)
         matrix = view.curvature[sets[:, :, None], sets[:, None, :]] + BLIND * np.eye(sets.shape[1])
         slope = view.gain[sets]
         more = 0.5 * np.einsum("ij,ij->i", slope, np.linalg.solve(matrix, slope[:, :, None])[:, :, 0])
@@ -887,9 +885,8 @@ def posterior(
             fit = search.fits[elements]
             ends = [fit.interval(nth, SHARES)[0] for nth in range(len(elements))]
             low, high = (tuple(end[side] for end in ends) for side in (0, 1))
-            row = Hypothesis(
-                own, probability, tuple(fit.beta.tolist()), low, high, not search.outside(elements)
-            )
+            losses = tuple(fit.beta.tolist()), low, high
+            row = Hypothesis(own, probability, *losses, not search.outside(elements))
         rows.append((elements, row))
     return sorted(rows, key=lambda row: (-row[1].probability, row[1].unknown, row[0]))
 

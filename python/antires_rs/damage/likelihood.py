@@ -11,7 +11,6 @@ Reference: C. M. Bishop, Pattern Recognition and Machine Learning, 2006, section
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
@@ -249,10 +248,8 @@ def learned(
         intact, _ = undamaged(theta)
         prior = np.concatenate([s[group] ** 2, taus[intact.kind] ** 2])
         none, partner = np.empty((0, prior.size)), np.empty(0, dtype=np.intp)
-        mean = np.zeros(prior.size)
-        return ModelError(
-            theta, float(s[0]), taus, intact, partner, values.log_f, 0.0, mean, none, prior, None
-        )
+        untold = 0.0, np.zeros(prior.size), none, prior, None
+        return ModelError(theta, float(s[0]), taus, intact, partner, values.log_f, *untold)
     fixed = assumed is not None
     rest = group, low, s, taus, fixed, values, undamaged
     starts = [theta]
@@ -644,22 +641,10 @@ def and_vanished(there: Foreseen, response: NDArray[np.intp], place: FloatArray)
     def joined(own: Any) -> Any:
         return np.concatenate([own, np.zeros((m, *own.shape[1:]), dtype=own.dtype)])[order]
 
-    roots = Roots(both[order], places[order], joined(there.roots.slopes))
-    beside, change, seen = map(joined, (there.beside, there.change, there.seen))
-    return Foreseen(
-        roots,
-        places[order],
-        beside,
-        spread[np.ix_(order, order)],
-        change,
-        seen,
-        there.gain_std,
-        there.n_elements,
-        joined(there.together),
-        there.n_warm,
-        joined(there.shift),
-        joined(there.known),
-    )
+    by_root = ("beside", "change", "seen", "together", "shift", "known")
+    more = {name: joined(getattr(there, name)) for name in by_root}
+    more["roots"] = Roots(both[order], places[order], joined(there.roots.slopes))
+    return there._replace(place=places[order], spread=spread[np.ix_(order, order)], **more)
 
 
 # -- The likelihood, wherever the roots come from, and how probable changes are that are no damage
@@ -674,78 +659,15 @@ _MARGIN = 0.3  # roots so far outside of what was measured (ln f) are not looked
 _APART = 100.0  # responses on one line, so far apart
 
 
-class ValueLikelihood(ABC):
-    """p(values of a test | severities), wherever the roots come from; and how probable other changes are."""
-
-    n: int
-    start: View
-    now: Values
-
-    def rows(self, elements: Iterable[int], severities: Any) -> FloatArray:
-        """Severities of all elements (m, n) of those of some (m, k)."""
-        rows = np.zeros((len(severities), self.n))
-        rows[:, list(elements)] = severities
-        return rows
-
-    @abstractmethod
-    def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
-        """The values as seen from each row of severities (m, n), with an extra error of every value."""
-
-    def strict(self, beta: FloatArray) -> View | None:
-        """The values as seen from severities (n,), with errors as they are stated; None where that is not
-        known."""
-        del beta
-        return None
-
-    @abstractmethod
-    def unexplained(self, betas: FloatArray) -> FloatArray:
-        """How far the values are from the nearest roots at each row of severities, (m,)."""
-
-    @abstractmethod
-    def without_damage(self, extra: float | FloatArray, common: float) -> View:
-        """The values as seen from no damage, with an extra error of each and one of all alike."""
-
-    def log_without_damage(self, extra: float, common: float) -> float:
-        """The log-likelihood of that."""
-        return self.without_damage(extra, common).log_likelihood
-
-    @cached_property
-    def something_else(self) -> float:
-        """Log evidence of a change of every value by any amount, or of all values alike."""
-        found: list[float] = []
-        for extra in ANY_CHANGE:
-            found.append(self.log_without_damage(extra, 0.0))
-            if found[-1] < max(found) - _NOTHING:  # the more a change exceeds the values', the less probable
-                break
-        by_itself = np.logaddexp.reduce(found) - np.log(ANY_CHANGE.size)
-        return float(np.logaddexp(np.log1p(-ALIKE_SHARE) + by_itself, self._alike[1]))
-
-    @property
-    def moved_alike(self) -> float:
-        """Relative change of all values, where that is what something else comes to; else 0."""
-        likeliest, alike = self._alike
-        if self.something_else > np.log(2.0) + alike:  # less than half of it
-            return 0.0
-        view = self.without_damage(0.0, likeliest)
-        moved = view.residual[self.now.kind[view.partner >= 0] == 0]
-        return float(np.expm1(np.median(moved))) if moved.size else 0.0
-
-    @cached_property
-    def _alike(self) -> tuple[float, float]:
-        """The likeliest change of all values alike, and the log evidence of any such."""
-        logs = [self.log_without_damage(0.0, each) for each in ALIKE]
-        evidence = float(np.logaddexp.reduce(logs) - np.log(len(ALIKE)) + np.log(ALIKE_SHARE))
-        return ALIKE[int(np.argmax(logs))], evidence
-
-
 def _band(now: Values, intact: Values) -> Band:
     """Where there are values in one state or the other."""
     both = np.concatenate([now.plain.log_f, intact.plain.log_f])
     return Band(float(both.min()), float(both.max()))
 
 
-class Likelihood(ValueLikelihood):
-    """From the roots of a model after the baseline: the core's, or those of reduced models."""
+class Likelihood:
+    """p(values of a test | severities) from the roots of a model after the baseline, the core's or those of
+    reduced models; and how probable other changes are."""
 
     def __init__(
         self,
@@ -789,9 +711,51 @@ class Likelihood(ValueLikelihood):
         return self.roots(np.zeros((1, self.n)), slopes=True)[0]
 
     @cached_property
-    def start(self) -> View:  # type: ignore[override]
-        """See the base class."""
+    def start(self) -> View:
+        """The values as seen from no damage."""
         return self.without_damage(0.0, 0.0)
+
+    def without_damage(self, extra: float | FloatArray, common: float) -> View:
+        """The same, with an extra error of each value and one of all alike."""
+        return self.views(np.zeros((1, self.n)), extra, common, [self._undamaged])[0]
+
+    def log_without_damage(self, extra: float, common: float) -> float:
+        """The log-likelihood of that."""
+        return self.without_damage(extra, common).log_likelihood
+
+    @cached_property
+    def something_else(self) -> float:
+        """Log evidence of a change of every value by any amount, or of all values alike."""
+        found: list[float] = []
+        for extra in ANY_CHANGE:
+            found.append(self.log_without_damage(extra, 0.0))
+            if found[-1] < max(found) - _NOTHING:  # the more a change exceeds the values', the less probable
+                break
+        by_itself = np.logaddexp.reduce(found) - np.log(ANY_CHANGE.size)
+        return float(np.logaddexp(np.log1p(-ALIKE_SHARE) + by_itself, self._alike[1]))
+
+    @property
+    def moved_alike(self) -> float:
+        """Relative change of all values, where that is what something else comes to; else 0."""
+        likeliest, alike = self._alike
+        if self.something_else > np.log(2.0) + alike:  # less than half of it
+            return 0.0
+        view = self.without_damage(0.0, likeliest)
+        moved = view.residual[self.now.kind[view.partner >= 0] == 0]
+        return float(np.expm1(np.median(moved))) if moved.size else 0.0
+
+    @cached_property
+    def _alike(self) -> tuple[float, float]:
+        """The likeliest change of all values alike, and the log evidence of any such."""
+        logs = [self.log_without_damage(0.0, each) for each in ALIKE]
+        evidence = float(np.logaddexp.reduce(logs) - np.log(len(ALIKE)) + np.log(ALIKE_SHARE))
+        return ALIKE[int(np.argmax(logs))], evidence
+
+    def rows(self, elements: Iterable[int], severities: Any) -> FloatArray:
+        """Severities of all elements (m, n) of those of some (m, k)."""
+        rows = np.zeros((len(severities), self.n))
+        rows[:, list(elements)] = severities
+        return rows
 
     def roots(self, betas: FloatArray, *, slopes: bool, changed: FloatArray | None = None) -> list[Roots]:
         """The model's roots at each row of severities (m, n), where ln factors have ``changed`` by (m, p)."""
@@ -814,7 +778,9 @@ class Likelihood(ValueLikelihood):
         common: float = 0.0,
         found: list[Roots] | None = None,
     ) -> list[View]:
-        """See the base class; with an error of all values alike, too, and roots that are ``found`` already.
+        """The values as seen from each row of severities (m, n), with an ``extra`` error of every value, an
+        error of all alike, and roots that are ``found`` already.
+
         Where the surroundings have changed, the values are seen from where that leads to."""
         found = self.roots(betas, slopes=True) if found is None else found
         views = [self._view(*each, extra, common) for each in zip(betas, found, strict=True)]
@@ -831,7 +797,7 @@ class Likelihood(ValueLikelihood):
         return views
 
     def strict(self, beta: FloatArray) -> View:
-        """See the base class."""
+        """The values as seen from severities (n,), with errors as they are stated."""
         (roots,) = self.roots(beta[None], slopes=True)
         kappa, times, mixed = self.errors.T[:3]
         stated = self.errors[(kappa == 0.0) & (times == 1.0) & (mixed == 0.0)]
@@ -839,7 +805,8 @@ class Likelihood(ValueLikelihood):
         return self._view(beta, roots, 0.0, errors=stated)
 
     def unexplained(self, betas: FloatArray) -> FloatArray:
-        """See the base class; roots lie as far beside the model's as the intact ones do."""
+        """How far the values are from the nearest roots at each row of severities, (m,); roots lie as far
+        beside the model's as the intact ones do."""
         left = []
         for each in self.roots(betas, slopes=False):
             roots, identity = each.since(self.error.intact)
@@ -852,10 +819,6 @@ class Likelihood(ValueLikelihood):
         roots, followed = roots.since(self.error.intact)
         kept = roots.between(self.band.low - _MARGIN, self.band.high + _MARGIN)
         return roots.only(kept), followed[kept], followed
-
-    def without_damage(self, extra: float | FloatArray, common: float) -> View:
-        """See the base class."""
-        return self.views(np.zeros((1, self.n)), extra, common, [self._undamaged])[0]
 
     def _view(
         self,
@@ -883,9 +846,7 @@ class Likelihood(ValueLikelihood):
             room = 1.0 - beta[: self.n_elements]
             astray = error.unlearned * np.linalg.norm(np.log(room)) * slopes[:, : self.n_elements] * room
             spread = spread + astray @ astray.T
-        own = (
-            np.broadcast_to(extra, log_f.shape) if np.ndim(extra) == 0 else np.asarray(extra)[roots.response]
-        )
+        own = np.asarray(extra)[roots.response] if np.ndim(extra) else np.full(log_f.size, extra)
         foreseen = Foreseen(
             roots,
             log_f + beside,
@@ -998,9 +959,8 @@ class _Families(NamedTuple):
             return self.plain
         base, every = joined(base, joints) if more and joints else base, (*factors, *more)
         reductions = stiffness_reduction(self.question.numbers)
-        core = self.responses.source(
-            base, model.description.core_parameters((*reductions, *every)), **self.how
-        )
+        parts = model.description.core_parameters((*reductions, *every))
+        core = self.responses.source(base, parts, **self.how)
         least = np.repeat([-_REACH, -_YIELDS], [len(springs), len(joints)])[: len(more)]
         group = np.pad(self.plain.group, (0, len(more)), constant_values=1)
         along = structure.along
@@ -1049,13 +1009,9 @@ class _Families(NamedTuple):
         still = replace(intact, log_f=intact.log_f - moved) if moved.any() else intact
         error, family = self.taught(self.plain, still), self.plain
         if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
-            reject(
-                "model",
-                f"one that does not explain the measurement: no {responses.noun} near the measured ones",
-                "a model of the tested structure",
-                f"{question.hint()} Check units, dofs and supports of the model, and the band of the "
-                "measurement.".lstrip(),
-            )
+            got = f"one that does not explain the measurement: no {responses.noun} near the measured ones"
+            remedy = "Check units, dofs and supports of the model, and the band of the measurement."
+            reject("model", got, "a model of the tested structure", f"{question.hint()} {remedy}".lstrip())
         if identified and not question.reduced and intact.size:
             error, family = self.likeliest(error, still)
         place = error.place + moved
@@ -1126,15 +1082,15 @@ class Question:
         no value yet."""
         model, numbers, factors = self.model, self.numbers, factors_of(self.model)
         frame, surrounded = structure_of(model), self.options.environment or ()
-        group = np.zeros(len(factors), dtype=np.intp)
+        springs: tuple[Parameter, ...] = ()
         if "supports" in surrounded:  # what changes needs a factor, be it right in the model
-            factors += tuple(p for p in frame.springs if p.terms[0] not in model._springs)
+            springs = tuple(p for p in frame.springs if p.terms[0] not in model._springs)
+        group, factors = np.repeat([0, 1], [len(factors), len(springs)]), factors + springs
         sides: Any = measured_modes if isinstance(self.measured[0], ModalSet) else measured_states
         responses, intact, now = sides(model, self.baseline, self.measured)
         how: Any = {"silent": True} if silent else {}
         parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
         core: Any = responses.source(model, parts, **how)
-        group = np.pad(group, (0, len(factors) - group.size), constant_values=1)
         plain = _Family(frame, model, core, factors, group, np.full(len(factors), -_REACH), frame.along)
         if self.reduced and isinstance(responses, Responses):
             plain = plain._replace(core=ReducedRoots(Terms(model, responses.parts, numbers, factors), core))

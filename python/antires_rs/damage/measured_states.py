@@ -451,9 +451,7 @@ def contradiction(values: Values, forces: Sequence[End]) -> Contradiction:
                 found.append(Contradiction((odd,), float(np.median([apart for apart, _ in own])), usual))
                 break
         else:
-            far = {
-                p: apart for p, (apart, s) in known.items() if apart > max(_CONTRADICTING, _DEVIATIONS * s)
-            }
+            far = {p: gap for p, (gap, s) in known.items() if gap > max(_CONTRADICTING, _DEVIATIONS * s)}
             every = {nth for pair in far for nth in pair}
             found.append(Contradiction(tuple(sorted(every)), max(far.values(), default=0.0)))
     return max(found, key=lambda one: one.apart)

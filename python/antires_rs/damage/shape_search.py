@@ -38,8 +38,7 @@ _LEAST_SENSORS = 3  # with fewer sensors the values of one are not told from tho
 def with_shapes(prepared: Prepared, question: Question, shapes: Sequence[Shape]) -> Likelihood | None:
     """The likelihood with shapes behind the elements; None where the model with these has not the same
     roots, as when some are close together."""
-    plain, model = prepared.likelihood, prepared.base
-    responses = prepared.responses
+    plain, model, responses = prepared.likelihood, prepared.base, prepared.responses
     assert isinstance(responses, Responses)
     own = stiffness_reduction(prepared.numbers)
     parameters = (*own, *parameters_of(model, shapes), *prepared.factors)
@@ -52,17 +51,8 @@ def with_shapes(prepared: Prepared, question: Question, shapes: Sequence[Shape])
     if intact.size != before.size or not np.allclose(intact.log_f, before.log_f, rtol=0.0, atol=1e-6):
         return None
     error = replace(plain.error, intact=intact)
-    found = Likelihood(
-        core,
-        offset.size,
-        error,
-        prepared.intact,
-        plain.now,
-        plain.common,
-        plain.threads,
-        plain.ambient,
-        plain.warmer,
-    )
+    how = plain.common, plain.threads, plain.ambient, plain.warmer
+    found = Likelihood(core, offset.size, error, prepared.intact, plain.now, *how)
     found.offset, found.n_elements = offset, len(own)
     return found
 
@@ -232,12 +222,8 @@ class Crack(NamedTuple):
             known = best.get(shape.share)
             if known is None or fit.log_evidence > known[1].log_evidence:
                 best[shape.share] = (shape, fit)
-        shares = sorted(best)
-        return (
-            np.array(shares),
-            np.array([best[s][1].log_evidence for s in shares]),
-            [best[s] for s in shares],
-        )
+        places, own = sorted(best), [best[share] for share in sorted(best)]
+        return np.array(places), np.array([fit.log_evidence for _, fit in own]), own
 
     def ahead(self) -> list[float]:
         """Places from where to see more of it: the top of a parabola through the likeliest, and beside it."""
@@ -272,11 +258,11 @@ class Crack(NamedTuple):
         cumulative = np.cumsum(weight) / weight.sum()
         low, high = (float(_SHARES[np.searchsorted(cumulative, q)]) for q in SHARES)
         shape, fit = self.likeliest
-        u = [fit.mean[0] + np.sqrt(fit.covariance[0, 0]) * ndtri(_QUANTILES) for _, fit in best]
-        losses = np.array(
-            [one.loss(-np.expm1(-np.clip(own, 0.0, FURTHEST))) for (one, _), own in zip(best, u, strict=True)]
-        )
-        every = np.array([np.interp(_SHARES, shares, each) for each in losses.T])
+        losses = []
+        for one, own in best:
+            u = own.mean[0] + np.sqrt(own.covariance[0, 0]) * ndtri(_QUANTILES)
+            losses.append(one.loss(-np.expm1(-np.clip(u, 0.0, FURTHEST))))
+        every = np.array([np.interp(_SHARES, shares, each) for each in np.transpose(losses)])
         order = np.argsort(every, axis=None)
         mass = np.cumsum(np.broadcast_to(weight, every.shape).ravel()[order])
         ends = np.interp(SHARES, mass / mass[-1], every.ravel()[order])
@@ -289,23 +275,19 @@ class Crack(NamedTuple):
 
 def _narrowed(prepared: Prepared, question: Question, crack: Crack) -> Crack:
     """More places of a crack, ever nearer to the likeliest."""
-    n = len(prepared.numbers)
+    n, factors, beside = len(prepared.numbers), prepared.stiffness_factors, crack.beside
     for _ in range(_ROUNDS):
         shares, (likeliest, fit) = crack.ahead(), crack.likeliest
         if not shares:
             break
-        more = prepared.structure.cracks(likeliest.element, shares, prepared.stiffness_factors)
-        every = more
+        more, other = prepared.structure.cracks(likeliest.element, shares, factors), []
         own: list[Elements] = [(n + k,) for k in range(len(more))]
-        if isinstance(crack.beside, Shape):
-            other = prepared.structure.cracks(
-                crack.beside.element, [crack.beside.share], prepared.stiffness_factors
-            )
-            own = [(*each, n + len(more) + other.index(crack.beside)) for each in own]
-            every = more + other
-        elif crack.beside is not None:
-            own = [(*each, crack.beside) for each in own]
-        likelihood = with_shapes(prepared, question, every)
+        if isinstance(beside, Shape):
+            other = prepared.structure.cracks(beside.element, [beside.share], factors)
+            own = [(*each, n + len(more) + other.index(beside)) for each in own]
+        elif beside is not None:
+            own = [(*each, beside) for each in own]
+        likelihood = with_shapes(prepared, question, more + other)
         if likelihood is None:
             break
         starts = np.zeros((len(own), likelihood.n))

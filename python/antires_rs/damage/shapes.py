@@ -146,13 +146,10 @@ def _entries(columns: Columns) -> tuple[Any, Any, FloatArray]:
 
 def _bordered(at: Any, own: Any, side: FloatArray, corner: FloatArray) -> tuple[Any, Any, FloatArray]:
     """Entries of the rows and columns ``own``, beside those ``at`` and among themselves."""
-    rows, columns = np.meshgrid(at, own, indexing="ij")
-    corners = np.meshgrid(own, own, indexing="ij")
-    return (
-        np.concatenate([rows.ravel(), columns.ravel(), corners[0].ravel()]),
-        np.concatenate([columns.ravel(), rows.ravel(), corners[1].ravel()]),
-        np.concatenate([side.ravel(), side.ravel(), corner.ravel()]),
-    )
+    row, column = (each.ravel() for each in np.meshgrid(at, own, indexing="ij"))
+    ends = [each.ravel() for each in np.meshgrid(own, own, indexing="ij")]
+    values = np.concatenate([side.ravel(), side.ravel(), corner.ravel()])
+    return np.concatenate([row, column, ends[0]]), np.concatenate([column, row, ends[1]]), values
 
 
 def _together(several: Sequence[tuple[Any, Any, FloatArray]]) -> Entries:
@@ -483,12 +480,9 @@ class Frame(Structure):
             dofs = np.concatenate([inner.dofs, own]).astype(np.intp)
             zero = np.zeros((inner.dofs.size, d.shape[1]))
             beside = np.hstack([0.0 * inner.carried, k @ d]), np.hstack([inner.carried, m @ d])
-            corner = (
-                np.block([[np.diag(inner.squares), zero], [zero.T, d.T @ k @ d]]),
-                np.block(
-                    [[np.eye(inner.dofs.size), inner.carried.T @ d], [d.T @ inner.carried, d.T @ m @ d]]
-                ),
-            )
+            joint, size = inner.carried.T @ d, inner.dofs.size
+            stiff = np.block([[np.diag(inner.squares), zero], [zero.T, d.T @ k @ d]])
+            corner = stiff, np.block([[np.eye(size), joint], [joint.T, d.T @ m @ d]])
             for own_terms, whole, side, block in zip(terms, added, beside, corner, strict=True):
                 if dofs.size:
                     more = _bordered(row[ends][free], dofs, side[free], block)

@@ -284,9 +284,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         if self.order == 1 or not isinstance(dof, list | tuple):
             return dof
         given = Dofs(dof)
-        return (
-            given if given in self.tables else next((k for k in self.tables if set(k) == set(given)), given)
-        )
+        return next((key for key in self.tables if set(key) == set(given)), given)
 
     @property
     def damping_ratio(self) -> Mapping[Any, FloatArray]:
@@ -583,18 +581,17 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
             named = key_of(force, [row["dof"] for row in data["dofs"]], listed or ())
             edits = tuple(edit_of(row) for row in data.get("edits", ()))
             left_out = [{**row["left_out"], "dof": row["dof"]} for row in data["dofs"] if "left_out" in row]
+            peaks = {row["dof"]: row["unexplained_hz"] for row in data["dofs"] if "unexplained_hz" in row}
+            tables = {dof: marked(table, dof, edits) for dof, table in _read(data["dofs"], named).items()}
             return cls.from_tables(
                 force,
-                {dof: marked(table, dof, edits) for dof, table in _read(data["dofs"], named).items()},
+                tables,
                 edits=edits,
                 before=_read(data["before_edits"], named) if edits else None,
                 left_out=_read(left_out, named) if left_out else None,
                 unexplained_hz={
-                    Dofs.of_file(row["dof"]): frozen(
-                        frequencies_hz(f"peaks of {row['dof']!r}", row["unexplained_hz"])
-                    )
-                    for row in data["dofs"]
-                    if "unexplained_hz" in row
+                    Dofs.of_file(dof): frozen(frequencies_hz(f"peaks of {dof!r}", hz))
+                    for dof, hz in peaks.items()
                 },
                 sees=data.get("sees"),
                 channels=listed,

@@ -87,15 +87,12 @@ def added(
                 got = f"{value:g} Hz at dof {dof!r}, which is {where}"
                 remedy = "Drop the old one first if it is to be replaced."
                 reject("freq_hz", got, "a value that is new", remedy)
-    damping, std = (
-        companion(
-            name, np.full(new.size, given) if np.ndim(given) == 0 else given, new.size, std=name == "std_hz"
-        )
-        for name, given in (
-            ("damping_ratio", np.nan if damping_ratio is None else damping_ratio),
-            ("std_hz", np.nan if std_hz is None else std_hz),
-        )
-    )
+
+    def column(name: str, own: Any) -> Any:
+        value = np.full(new.size, np.nan if own is None else own) if np.ndim(own) == 0 else own
+        return companion(name, value, new.size, std=name == "std_hz")
+
+    damping, std = column("damping_ratio", damping_ratio), column("std_hz", std_hz)
     _check_reason(reason)
     # No method found them: their scores are not known.
     unknown = {name: BY_HAND if own.dtype.kind == "U" else np.nan for name, own in table.scores.items()}

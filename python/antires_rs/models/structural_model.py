@@ -361,12 +361,8 @@ class StructuralModel(AroundCore[CoreModel]):
         keep = int(np.count_nonzero(freq[:most] <= (np.inf if limit is None else limit)))
         if limit is not None and keep == 0:
             wanted = f"at least the first resonance, {freq[0]:.6g} Hz"
-            reject(
-                "f_max_hz",
-                f"{limit:g} Hz",
-                wanted,
-                "Raise it, or leave it out for all modes; check the units.",
-            )
+            remedy = "Raise it, or leave it out for all modes; check the units."
+            reject("f_max_hz", f"{limit:g} Hz", wanted, remedy)
         return ModalSet(freq[:keep], self._whole_shapes(shapes[:, :keep].T), dofs=range(self.n_dof))
 
     def frf(

@@ -144,10 +144,8 @@ def detectability(
         # Low and high losses of each element and intact tests by turns: Ctrl-C leaves something of all.
         for nth in np.argsort(np.argsort(0.618034 * np.arange(count) % 1.0)):
             cases += [*((at, float(each[nth])) for at, each in enumerate(losses)), (None, 0.0)]
-        tasks = [
-            Task(at, loss, *judging, each, 1 if spread else threads)
-            for (at, loss), each in zip(cases, own.spawn(len(cases)), strict=True)
-        ]
+        drawn = zip(cases, own.spawn(len(cases)), strict=True)
+        tasks = [Task(*case, *judging, each, 1 if spread else threads) for case, each in drawn]
         declared = simulated(test, tasks, workers if spread else None)
     made = list(zip(tasks, declared, strict=False))
     for at, (e, between) in enumerate(zip(chosen, losses, strict=True)):

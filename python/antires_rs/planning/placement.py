@@ -264,12 +264,9 @@ class Information:
         """How many roots of a set of candidates all of these share."""
         return int(self._hidden(self._members(np.array([chosen], dtype=np.intp))).sum())
 
-    def worth(self, chosen: Sequence[int], criterion: str) -> float:
-        """Worth of a set of candidates; the larger the better."""
-        return float(self.worths(np.array([chosen], dtype=np.intp), criterion)[0])
-
-    def worths(self, sets: IntArray, criterion: str, *, all_shown: bool = False) -> FloatArray:
-        """Worth of each of several sets (sets, n) of candidates; ``all_shown``: no root is hidden."""
+    def worths(self, sets: IntArray, criterion: str, all_shown: bool = False) -> FloatArray:
+        """Worth of each of several sets (sets, n) of candidates, the larger the better; ``all_shown``: no
+        root is hidden."""
         size = self.own.shape[1]
         each = size**2 if criterion == "determinant" else size
         step = max(_AT_ONCE // max(each, self.owner.size, self.own.shape[0], 1), 1)
@@ -294,29 +291,18 @@ class Information:
 
 
 @dataclass(frozen=True)
-class Several:
-    """Information in each of some structures that the model may stand for: a set is worth their mean."""
+class Worth:
+    """What sets are worth: their mean over some structures that the model may stand for."""
 
     each: tuple[Information, ...]
+    criterion: str
 
-    @property
-    def n_candidates(self) -> int:
-        """How many may get a sensor."""
-        return self.each[0].n_candidates
-
-    @property
-    def sets(self) -> IntArray | None:
-        """Candidates of each response of several forces, (c, r)."""
-        return self.each[0].sets
-
-    def worth(self, chosen: Sequence[int], criterion: str) -> float:
-        """Worth of a set of candidates; the larger the better."""
-        return float(self.worths(np.array([chosen], dtype=np.intp), criterion)[0])
-
-    def worths(self, sets: IntArray, criterion: str, *, all_shown: bool = False) -> FloatArray:
+    def of(self, sets: Sequence[Sequence[int]], all_shown: bool = False) -> FloatArray:
         """Worth of each of several sets, as of :class:`Information`."""
-        found = [each.worths(sets, criterion, all_shown=all_shown) for each in self.each]
-        return np.asarray(np.mean(found, axis=0))
+        some = np.array(sets, dtype=np.intp)
+        return np.asarray(
+            np.mean([each.worths(some, self.criterion, all_shown) for each in self.each], axis=0)
+        )
 
 
 def information(roots: VirtualRoots, layout: Layout, spread: FloatArray, tests: int) -> Information:
@@ -380,70 +366,67 @@ class Placed:
     rounds: tuple[Round, ...]
 
 
-def greedy(information: Several, n: int, criterion: str) -> Placed:
+def greedy(worth: Worth, n: int) -> Placed:
     """Greedy with exchange."""
-    count = information.n_candidates
-    directions = (False, True) if count <= _MOST_BACKWARDS else (False,)
-    ends = [_one_by_one(information, n, criterion, backwards) for backwards in directions]
-    return max([_exchanged(information, criterion, end) for end in ends], key=lambda one: one.worth)
+    directions = (False, True) if worth.each[0].n_candidates <= _MOST_BACKWARDS else (False,)
+    ends = [_exchanged(worth, _one_by_one(worth, n, backwards)) for backwards in directions]
+    return max(ends, key=lambda one: one.worth)
 
 
-def exhaustive(information: Several, n: int, criterion: str) -> Placed:
+def exhaustive(worth: Worth, n: int) -> Placed:
     """Of all sets of n candidates the best."""
-    every = combinations(range(information.n_candidates), n)
+    every = combinations(range(worth.each[0].n_candidates), n)
     best = -np.inf, tuple(range(n))
     while some := list(islice(every, _MOST_EXCHANGES)):
-        worths = information.worths(np.array(some), criterion)
+        worths = worth.of(some)
         at = int(np.argmax(worths))
         best = max(best, (float(worths[at]), some[at]), key=lambda one: one[0])
     return Placed(best[1], best[0], ())
 
 
-def _one_by_one(information: Several, n: int, criterion: str, backwards: bool) -> Placed:
+def _one_by_one(worth: Worth, n: int, backwards: bool) -> Placed:
     """The sensor that adds most joins; or, backwards, from all candidates, the one missed least goes."""
-    every = list(range(information.n_candidates))
-    chosen = every if backwards else []
-    worth = information.worth(chosen, criterion) if backwards else -np.inf
-    rounds = []
+    every = list(range(worth.each[0].n_candidates))
+    chosen, rounds = every if backwards else [], []
     while len(chosen) != n:
         moves = chosen if backwards else [c for c in every if c not in chosen]
         sets = [[o for o in chosen if o != c] if backwards else [*chosen, c] for c in moves]
-        worths = information.worths(np.array(sets), criterion)
+        worths = worth.of(sets)
         best = int(np.argmax(worths))
-        chosen, worth = sets[best], float(worths[best])
+        chosen = sets[best]
         added, removed = (None, moves[best]) if backwards else (moves[best], None)
-        rounds.append(Round(added, removed, worth))
-    return Placed(tuple(chosen), worth, tuple(rounds))
+        rounds.append(Round(added, removed, float(worths[best])))
+    return Placed(tuple(chosen), float(worth.of([chosen])[0]), tuple(rounds))
 
 
-def _exchanged(information: Several, criterion: str, start: Placed) -> Placed:
-    chosen, worth, rounds = list(start.chosen), start.worth, list(start.rounds)
-    while better := _better(information, criterion, chosen, worth):
-        worth, joins, goes = better
+def _exchanged(worth: Worth, start: Placed) -> Placed:
+    chosen, now, rounds = list(start.chosen), start.worth, list(start.rounds)
+    while better := _better(worth, chosen, now):
+        now, joins, goes = better
         for new, old in zip(joins, goes, strict=True):
             chosen[chosen.index(old)] = new
-            rounds.append(Round(new, old, worth))
-    return Placed(tuple(chosen), worth, tuple(rounds))
+            rounds.append(Round(new, old, now))
+    return Placed(tuple(chosen), now, tuple(rounds))
 
 
 def _better(
-    information: Several, criterion: str, chosen: list[int], worth: float
+    worth: Worth, chosen: list[int], now: float
 ) -> tuple[float, tuple[int, ...], tuple[int, ...]] | None:
     """The best exchange of one sensor or, if none helps and there are not too many, of two."""
-    outside = [c for c in range(information.n_candidates) if c not in chosen]
+    outside = [c for c in range(worth.each[0].n_candidates) if c not in chosen]
     for size in (1, 2):
         if comb(len(chosen), size) * comb(len(outside), size) > _MOST_EXCHANGES:
             return None
-        least = worth + _LEAST * abs(worth)
+        least = now + _LEAST * abs(now)
         tried, sets = [], []
         for goes in combinations(chosen, size):
             kept = [c for c in chosen if c not in goes]
-            joining = _promising(information, criterion, kept, outside, size, least)
+            joining = _promising(worth, kept, outside, size, least)
             tried += [(goes, joins) for joins in joining]
             sets += [[*kept, *joins] for joins in joining]
         if not tried:
             continue
-        worths = information.worths(np.array(sets), criterion)
+        worths = worth.of(sets)
         best = int(np.argmax(worths))
         if worths[best] > least:
             goes, joins = tried[best]
@@ -452,14 +435,13 @@ def _better(
 
 
 def _promising(
-    information: Several, criterion: str, kept: list[int], outside: list[int], size: int, least: float
+    worth: Worth, kept: list[int], outside: list[int], size: int, least: float
 ) -> list[tuple[int, ...]]:
     """What may join the kept ones and be worth more than ``least``: one or two, these by what each adds."""
-    if size == 1 or information.sets is not None or criterion != "determinant" or not kept:
+    if size == 1 or worth.each[0].sets is not None or worth.criterion != "determinant" or not kept:
         return list(combinations(outside, size))
-    alone = information.worths(np.array([kept]), criterion, all_shown=True)[0]
-    sets = np.array([[*kept, c] for c in outside])
-    gain = information.worths(sets, criterion, all_shown=True) - alone
+    alone = worth.of([kept], all_shown=True)[0]
+    gain = worth.of([[*kept, c] for c in outside], all_shown=True) - alone
     a, b = np.triu_indices(len(outside), 1)
     enough = alone + gain[a] + gain[b] > least
     return [(outside[i], outside[j]) for i, j in zip(a[enough].tolist(), b[enough].tolist(), strict=True)]

@@ -264,7 +264,7 @@ def plan_test(
         reject("n_sensors", f"{n} of {most} candidates", f"{least} to {most}", "Allow more dofs.")
     threads = thread_count(workers)
     find = placement.exhaustive if search == "exhaustive" else placement.greedy
-    plans: dict[End, tuple[placement.Placed, placement.Information, placement.Several]] = {}
+    plans: dict[End, tuple[placement.Placed, placement.Information, placement.Worth]] = {}
     found: dict[End, placement.VirtualRoots] = {}
     forms = structure_of(model, band[1]).forms()
     with waiting("planning", progress):
@@ -277,8 +277,8 @@ def plan_test(
             # Severities come from the difference of two tests, parameters from one.
             tests = 1 if numbers is None else 2
             told, *others = (placement.information(one, layout, spread, tests) for one in rooted)
-            several = placement.Several(tuple(others) or (told,))
-            plans[force] = find(several, n, criterion), told, several
+            worth = placement.Worth(tuple(others) or (told,), criterion)
+            plans[force] = find(worth, n), told, worth
 
     def shown(force: End, chosen: Sequence[int] = ()) -> int:
         """Antiresonances of the chosen that not all of them share."""
@@ -296,9 +296,9 @@ def plan_test(
         return smallest_found(slopes, prior or DamagePrior(), n_values=shown(force, chosen))
 
     def value(force: End, chosen: Sequence[int]) -> float:
-        _, told, several = plans[force]
+        _, told, worth = plans[force]
         if criterion == "determinant":
-            return several.worth(chosen, criterion)
+            return float(worth.of([chosen])[0])
         if numbers is not None:
             return float(detectable(force, chosen).max())
         return float(1.0 / np.sqrt(1.0 + np.diag(told.of(chosen)).min()))

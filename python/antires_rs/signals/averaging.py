@@ -131,27 +131,20 @@ def is_transient(rec: Recording, low_hz: float = 0.0) -> bool:
     decaying = []
     for part in parts_of(rec):
         n = part.n_samples
-        # a hundredfold rise is told from any few thousand samples' median.
-        energy = (
-            _energy(part, n // COARSE_BLOCKS, low_hz, max(1, n // MEDIAN_SAMPLES))
-            if n >= 2 * COARSE_BLOCKS
-            else None
-        )
-        if energy is None:
+        if n < 2 * COARSE_BLOCKS:
             decaying.append(False)
             continue
+        # A hundredfold rise is told from any few thousand samples' median.
+        energy = _energy(part, n // COARSE_BLOCKS, low_hz, max(1, n // MEDIAN_SAMPLES))
         rest, low = (energy.max() / max(np.quantile(energy, share), 1e-300) for share in (0.05, 0.2))
         ringing = (low > LEAST_DECAY or rest > DECAY_RATIO) and _decays(part, low_hz)
         decaying.append(bool(low > DECAY_RATIO or ringing))
     if any(decaying) and not all(decaying):
-        raise UnsuitableDataError(
-            "method",
-            f"'auto' for records of which {sum(decaying)} decay after an impact and "
-            f"{len(decaying) - sum(decaying)} do not (the first of these is record "
-            f"{decaying.index(False) + 1})",
-            "records of one kind of test",
-            "Leave out what does not belong, or say method='transient' or method='welch'.",
-        )
+        steady, first = decaying.count(False), decaying.index(False) + 1
+        got = f"'auto' for records of which {sum(decaying)} decay after an impact and {steady} do not (the "
+        got += f"first of these is record {first})"
+        remedy = "Leave out what does not belong, or say method='transient' or method='welch'."
+        raise UnsuitableDataError("method", got, "records of one kind of test", remedy)
     return all(decaying)
 
 
@@ -248,9 +241,8 @@ def _decays(rec: Recording, low_hz: float) -> bool | None:
         return True
     (event,) = events
     x = without_drift(rec.responses, rec.fs_hz, low_hz)
-    fine = _energy(rec, FINE_BLOCK_SAMPLES, low_hz)[
-        event.hit // FINE_BLOCK_SAMPLES : event.stop // FINE_BLOCK_SAMPLES
-    ]
+    first, last = event.hit // FINE_BLOCK_SAMPLES, event.stop // FINE_BLOCK_SAMPLES
+    fine = _energy(rec, FINE_BLOCK_SAMPLES, low_hz)[first:last]
     sharp = max(SHARP_BLOCKS, int(SHARP_S * rec.fs_hz / FINE_BLOCK_SAMPLES))
     eighths = [part.mean() for part in np.array_split(fine, 8) if part.size]
     rings = bool(eighths) and eighths[-1] > STILL_RINGS * fine.max() and int(np.argmax(eighths)) == 0
@@ -290,11 +282,8 @@ def transient_spectra(
     found = [find_events(part, low_hz) for part in parts]
     # One length for all, so that their lines agree; a shorter event is padded with zeros, being dead by then.
     length = max(event.stop - event.start for events in found for event in events)
-    decay = max(
-        _window_decay(part, event, window)
-        for part, events in zip(parts, found, strict=True)
-        for event in events
-    )
+    each_event = ((part, event) for part, events in zip(parts, found, strict=True) for event in events)
+    decay = max(_window_decay(part, event, window) for part, event in each_event)
     freq = np.asarray(np.fft.rfftfreq(length, 1.0 / rec.fs_hz), dtype=np.float64)
     lines = slice(0, freq.size) if band_hz is None else lines_in(freq, band_hz)
     freq = freq[lines]
@@ -321,16 +310,8 @@ def transient_spectra(
     noise = np.mean(quiet_power, axis=0) * energy / len(each) if quiet_power else None
     if noise is not None and noise.min() <= 0.0:
         noise = None
-    return CrossSpectra(
-        freq,
-        segments.matrix,
-        len(each),
-        noise,
-        decay,
-        n_effective=float(len(each)),
-        segments=segments,
-        draws=np.arange(len(each)),
-    )
+    impacts: dict[str, Any] = {"n_effective": float(len(each)), "draws": np.arange(len(each))}
+    return CrossSpectra(freq, segments.matrix, len(each), noise, decay, segments=segments, **impacts)
 
 
 def _window_decay(rec: Recording, event: Event, window: str) -> float:
@@ -436,10 +417,8 @@ def narrow_width(power: FloatArray) -> float | None:
     """Half-power bandwidth, in lines, of the sharp ones among the peaks that stand out; None without any."""
     # The area over the height is steadier than the two half-power points of a ragged spectrum;
     # pi/2 half-power widths make the area of a resonance.
-    widths = [
-        float(power[lo : hi + 1].sum() / power[peak]) * 2 / np.pi for lo, peak, hi in owned_by_peaks(power)
-    ]
-    return float(np.quantile(widths, NARROWEST)) if widths else None
+    widths = [power[lo : hi + 1].sum() / power[peak] for lo, peak, hi in owned_by_peaks(power)]
+    return float(np.quantile(widths, NARROWEST)) * 2 / np.pi if widths else None
 
 
 def owned_by_peaks(power: FloatArray) -> list[tuple[int, int, int]]:
@@ -583,13 +562,7 @@ def average(
     nperseg = options.nperseg
     if nperseg is None:
         nperseg = min(longer * choose_nperseg(rec, band_hz, correlation), shortest(rec))
-    spectra = cross_spectra(
-        rec,
-        nperseg=nperseg,
-        noverlap=options.noverlap,
-        window=options.window,
-        include_force=include_force,
-        band_hz=lines,
-    )
+    how: dict[str, Any] = {"nperseg": nperseg, "noverlap": options.noverlap, "window": options.window}
+    spectra = cross_spectra(rec, include_force=include_force, band_hz=lines, **how)
     taper = window_values(options.window, nperseg)
     return Averages(options, beside(spectra, hum), nperseg, taper, include_force, correlation, hum)

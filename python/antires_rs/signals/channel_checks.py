@@ -191,16 +191,13 @@ def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> Chec
     for label, x in zip(labels, data, strict=True):
         step = np.diff(x)
         still = step == 0.0
-        run = _longest_run(still)
-        if (
-            run[1] >= RUN
-            and still.mean() < max(REPEATED, 2.0 * run[1] / x.size)
-            and x.min() < x[run[0]] < x.max()
-        ):
-            brief = f"still for {run[1]} samples at {run[0] / fs_hz:.3g} s"
+        start, run = _longest_run(still)
+        usual = still.mean() >= max(REPEATED, 2.0 * run / x.size)
+        if run >= RUN and not usual and x.min() < x[start] < x.max():
+            brief = f"still for {run} samples at {start / fs_hz:.3g} s"
             text = f"Channel {label!r} stands {brief}."
             advice = "Look for a loose contact or lost data; use the part of the record without it."
-            found.append(Finding(DROPOUTS, "warning", (label,), float(run[1]), RUN, text, advice, brief))
+            found.append(Finding(DROPOUTS, "warning", (label,), float(run), RUN, text, advice, brief))
         second = np.diff(step)
         scale = float(np.median(np.abs(second[:: max(1, second.size // MEDIAN_SAMPLES)]))) / 0.6745
         largest = max(float(second.max()), -float(second.min()))
@@ -214,9 +211,10 @@ def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> Chec
             if not count:
                 continue
             text = (
-                f"Channel {label!r} jumps: {count} second differences lie beyond {SPIKE_SIGMAS:g} "
-                f"standard deviations, the largest at {off:.0f}, "
-                f"{at[np.argmax(ratio)] / fs_hz:.3g} s into the record."
+                f"Channel {label!r} jumps: {count} second differences lie beyond {SPIKE_SIGMAS:g} standard "
+            )
+            text += (
+                f"deviations, the largest at {off:.0f}, {at[np.argmax(ratio)] / fs_hz:.3g} s into the record."
             )
             advice = "Look for loose contacts, electric switching or blows; use the part of the record "
             advice += "without them."
@@ -556,8 +554,7 @@ def _scanned(
     n = PADDING * int(2 ** np.ceil(np.log2(index[-1] + 2)))
     grid = np.zeros(n, dtype=np.complex128)
     np.add.at(grid, index, weighted)
-    sums = np.fft.ifft(grid) * n
-    sums = np.fft.fftshift(sums)
+    sums = np.fft.fftshift(np.fft.ifft(grid) * n)
     steps = np.arange(n) - n // 2
     allowed = np.abs(steps) <= SPAN * n
     delays = steps[allowed] / (2.0 * spacing_hz * n)
@@ -567,10 +564,8 @@ def _scanned(
 def _refined(freq_hz: FloatArray, weighted: ComplexArray, delay: float, step: float) -> float:
     """The delay between those of the scan, by parabolas."""
     for width in (step, step / 4.0, step / 16.0):
-        left, middle, right = (
-            float((np.exp(4j * np.pi * t * freq_hz) @ weighted).real)
-            for t in (delay - width, delay, delay + width)
-        )
+        near = np.array([delay - width, delay, delay + width])
+        left, middle, right = (np.exp(4j * np.pi * near[:, None] * freq_hz) @ weighted).real.tolist()
         bend = left - 2.0 * middle + right
         if bend < 0.0:
             delay += width * float(np.clip(0.5 * (left - right) / bend, -1.0, 1.0))
@@ -619,15 +614,7 @@ def in_phase(seen: Evidence) -> CheckResults:
         if not fits and not found:
             why = "at too few lines do the channels rise out of their noise in phase or against phase"
             return [NotTested(TIME_SHIFT, why), NotTested(QUADRATURE, why)]
-        off = [
-            p
-            for p, fit in fits.items()
-            if fit.fits >= IN_PHASE
-            and fit.fits - fit.in_phase >= MENDED
-            and fit.chance < FALSE_ALARMS
-            and (fit.quadrature or _shift_deg(seen, fit) >= SHIFT_DEG)
-        ]
-        off.sort(key=lambda p: fits[p].chance)
+        off = sorted((p for p, fit in fits.items() if _off(seen, fit)), key=lambda p: fits[p].chance)
         # What the others say of each other; of two no one knows which is off.
         others = (_fits(seen, [q for q in left if q != p]) if len(left) > 3 else {} for p in off)
         worst = next((p for p, rest in zip(off, others, strict=True) if _proved(fits[p], rest)), None)
@@ -638,6 +625,12 @@ def in_phase(seen: Evidence) -> CheckResults:
             break
         left.remove(worst)
     return found
+
+
+def _off(seen: Evidence, fit: Fit) -> bool:
+    """Whether a delay that matters, or a right angle, explains why a channel is out of phase."""
+    mends = fit.fits >= IN_PHASE and fit.fits - fit.in_phase >= MENDED and fit.chance < FALSE_ALARMS
+    return mends and (fit.quadrature or _shift_deg(seen, fit) >= SHIFT_DEG)
 
 
 def _proved(fit: Fit, others: dict[int, Fit]) -> bool:

@@ -66,13 +66,8 @@ def grouped(each: Sequence[CheckResults]) -> CheckResults:
 # -- All tests of a time record
 
 BY_LINE = (
-    channels.DEAD,
-    channels.TIME_SHIFT,
-    channels.QUADRATURE,
-    one_force.NOISE,
-    channels.RESOLUTION,
-    one_force.ONE_FORCE,
-    one_force.FORCE_LOCATION,
+    *(channels.DEAD, channels.TIME_SHIFT, channels.QUADRATURE, one_force.NOISE, channels.RESOLUTION),
+    *(one_force.ONE_FORCE, one_force.FORCE_LOCATION),
 )
 SINGLE_HIT, MISSED_HIT = "single_hit", "missed_hit"
 # The force explains so much of a response at a resonance, or its FRF there is not believed.
@@ -264,20 +259,11 @@ def of_response(
     if not live:
         return said + _none_by_line("no channel holds a response")[1:], None
     dofs = tuple(resp.dofs[p] for p in live)
-    seen = of_curves(
-        resp.freq_hz[inside],
-        values[live],
-        dofs,
-        None if resp.coherence is None else resp.coherence[live][:, inside],
-    )
-    twice, _ = channels.duplicated(np.hstack([values[live].real, values[live].imag]), dofs)
-    said += [
-        *twice,
-        *channels.alike(seen),
-        *channels.in_phase(seen),
-        *channels.buried(seen, by_coherence=True),
-        *one_force.one_force(seen),
-    ]
+    coherence = None if resp.coherence is None else resp.coherence[live][:, inside]
+    seen = of_curves(resp.freq_hz[inside], values[live], dofs, coherence)
+    said += channels.duplicated(np.hstack([values[live].real, values[live].imag]), dofs)[0]
+    said += [*channels.alike(seen), *channels.in_phase(seen)]
+    said += [*channels.buried(seen, by_coherence=True), *one_force.one_force(seen)]
     if resp.kind == "transmissibility":
         why = (
             "peaks of transmissibilities are antiresonances of the reference, as sharp as noise lets them be"
@@ -409,17 +395,7 @@ def judged(
         # What one force gives with noise and leakage.
         order = min(len(members(excitation)), len(seen.dofs) - 2)
         second = np.maximum(one_force.noise_level(seen, order), seen.leakage(order))
-    return DataCheck(
-        found,
-        untested,
-        seen.dofs,
-        excitation,
-        band,
-        frozen(seen.freq_hz),
-        frozen(seen.eigenvalues),
-        frozen(second),
-        frozen(seen.coherence),
-        seen.n_averages if averaged else None,
-        seen.nperseg if averaged else None,
-        one_force.forces_seen(seen),
-    )
+    where = seen.dofs, excitation, band
+    lines = frozen(seen.freq_hz), frozen(seen.eigenvalues), frozen(second), frozen(seen.coherence)
+    count, nperseg = (seen.n_averages, seen.nperseg) if averaged else (None, None)
+    return DataCheck(found, untested, *where, *lines, count, nperseg, one_force.forces_seen(seen))

@@ -78,14 +78,10 @@ def without_hum(rec: Recording, band_hz: tuple[float, float]) -> tuple[Recording
     if not found[base]:
         return rec, None
     cleaned = [_without(part, base, found[base]) for part in parts]
-    share = np.max(
-        [
-            np.std(before.responses - after.responses, axis=1)
-            / np.maximum(before.responses.std(axis=1), 1e-300)
-            for before, after in zip(parts, cleaned, strict=True)
-        ],
-        axis=0,
-    )
+    share = np.zeros(rec.n_channels)
+    for before, after in zip(parts, cleaned, strict=True):
+        own = np.std(before.responses - after.responses, axis=1)
+        share = np.maximum(share, own / np.maximum(before.responses.std(axis=1), 1e-300))
     worst = int(np.argmax(share))
     hum = Hum(base, tuple(k * base for k in found[base]), float(share[worst]), rec.dofs[worst])
     return (PooledRecording(cleaned) if len(cleaned) > 1 else cleaned[0]), hum

@@ -14,6 +14,7 @@ References: K. Johansson, Commun. Math. Phys. 209 (2000) 437-476, and I. M. John
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -97,21 +98,11 @@ def of_spectra(spectra: CrossSpectra, dofs: tuple[Any, ...], averages: Averages)
     values, vectors = spectrum(matrix, noise)
     first = np.maximum(values[:, 0], 0.0)
     coherence, explained = _best_partners(matrix, auto)
-    return Evidence(
-        dofs,
-        freq,
-        vectors * np.sqrt(first)[:, None],
-        first,
-        np.maximum(values, 0.0),
-        spectra.n_effective,
-        np.maximum(auto / noise[:, None] - 1.0, 0.0),
-        coherence,
-        explained,
-        averages.nperseg,
-        fs_hz,
-        _spread(averages.taper),
-        (matrix, noise),
-    )
+    lines = freq, vectors * np.sqrt(first)[:, None], first, np.maximum(values, 0.0)
+    signal = np.maximum(auto / noise[:, None] - 1.0, 0.0)
+    channels = spectra.n_effective, signal, coherence, explained
+    segments = averages.nperseg, fs_hz, _spread(averages.taper)
+    return Evidence(dofs, *lines, *channels, *segments, (matrix, noise))
 
 
 def of_curves(
@@ -122,9 +113,8 @@ def of_curves(
     noise[noise <= 0.0] = 1.0
     scaled = values / np.sqrt(noise)[:, None]
     size = np.abs(scaled) ** 2
-    return Evidence(
-        dofs, freq_hz, np.ascontiguousarray(scaled.T), size.sum(axis=0), signal=size, coherence=coherence
-    )
+    lines = freq_hz, np.ascontiguousarray(scaled.T), size.sum(axis=0)
+    return Evidence(dofs, *lines, signal=size, coherence=coherence)
 
 
 def _of_one_average(
@@ -212,12 +202,10 @@ def one_force(seen: Evidence, order: int = 1) -> CheckResults:
     if order > 1:
         return _several(seen, order)
     first, second = seen.eigenvalues[:, 0], seen.eigenvalues[:, 1]
-    share = second / np.maximum(first, 1e-300)
-    limit = OVER_NOISE * noise_level(seen)
-    counts = (second > limit) & (second > OVER_LEAKAGE * seen.leakage()) & (share > LEAST_SHARE)
+    counts = _stands_out(seen, 1)
     lines = float(counts.mean())
     if lines > LINES:
-        middle = float(np.median((second - 0.5 * limit)[counts] / first[counts]))
+        middle = float(np.median((second - noise_level(seen))[counts] / first[counts]))
         text = (
             f"The responses need more than one force: at {100 * lines:.0f} % of the lines the second "
             "eigenvalue of the spectral matrix stands clear of noise and leakage, at "
@@ -232,7 +220,7 @@ def one_force(seen: Evidence, order: int = 1) -> CheckResults:
             advice += f" If {acting} uncorrelated forces act at known places, name all: excitation=[0, 4]."
         severity: Severity = "fatal" if lines > FATAL_LINES and middle > FATAL else "warning"
         return [Finding(ONE_FORCE, severity, (), lines, LINES, text, advice)]
-    middle = float(np.median(share))
+    middle = float(np.median(second / np.maximum(first, 1e-300)))
     if middle > UNEXPLAINED:
         # The first eigenvalue of noise alone is some (1 + sqrt(n / K))^2 of the mean.
         above = first > OVER_NOISE * (1.0 + np.sqrt(n / seen.n_averages)) ** 2 * seen.eigenvalues.mean(axis=1)
@@ -302,11 +290,9 @@ def forces_seen(seen: Evidence, most: int | None = None) -> int | None:
     """
     if seen.eigenvalues is None or seen.n_averages < LEAST_AVERAGES:
         return None
-    n = len(seen.dofs)
-    for count in range(1, min(n - 1, n if most is None else most)):
-        if float(_stands_out(seen, count).mean()) <= LINES:
-            return count
-    return min(n - 1, n if most is None else most)
+    most = min(len(seen.dofs) - 1, len(seen.dofs) if most is None else most)
+    few = (count for count in range(1, most) if float(_stands_out(seen, count).mean()) <= LINES)
+    return next(few, most)
 
 
 def _stands_out(seen: Evidence, order: int) -> NDArray[np.bool_]:
@@ -461,10 +447,7 @@ def _residues(over_peaks: ComplexArray) -> list[list[tuple[int, int, bool]]]:
     if np.abs(mean) >= IN_PHASE:
         for p, row in enumerate(along):
             sure = np.flatnonzero(np.abs(row) >= IN_PHASE)
-            pairs[p] = [
-                (int(a), int(b), bool(row[a] * row[b] > 0.0))
-                for a, b in zip(sure[:-1], sure[1:], strict=True)
-            ]
+            pairs[p] = [(int(a), int(b), bool(row[a] * row[b] > 0.0)) for a, b in pairwise(sure)]
     return pairs
 
 
@@ -481,11 +464,9 @@ def resonances(seen: Evidence) -> Any:
     distance = np.diff(peaks, prepend=-level.size, append=2 * level.size)
     shared = []
     for i, peak in enumerate(peaks):
-        aside = min(
-            PEAK_WIDTH * float(seen.freq_hz[peak]) / float(seen.freq_hz[1] - seen.freq_hz[0]),
-            0.4 * min(distance[i], distance[i + 1]),
-        )
-        low, high = max(peak - max(round(aside), 1), 0), min(peak + max(round(aside), 1), level.size - 1)
+        wide = PEAK_WIDTH * float(seen.freq_hz[peak]) / float(seen.freq_hz[1] - seen.freq_hz[0])
+        aside = max(round(min(wide, 0.4 * min(distance[i], distance[i + 1]))), 1)
+        low, high = max(peak - aside, 0), min(peak + aside, level.size - 1)
         around = np.maximum(np.maximum(each[:, low], each[:, high]), 1e-300)
         shared.append(np.median(each[:, peak] / around) >= SHARED)
     return peaks[np.array(shared, dtype=bool)]
@@ -521,18 +502,13 @@ def followed(seen: Evidence, peaks: Any) -> list[list[tuple[int, int, bool]]]:
     """
     power = np.abs(seen.vectors) ** 2
     pairs: list[list[tuple[int, int, bool]]] = [[] for _ in seen.dofs]
-    for i, (a, b) in enumerate(zip(peaks[:-1], peaks[1:], strict=True)):
-        track = _track(seen, slice(a, b + 1))
-        if track is None:
-            continue
-        for p, signs in enumerate(track.T):
+    for i, (a, b) in enumerate(pairwise(peaks)):
+        gap = slice(a, b + 1)
+        track = _track(seen, gap)
+        for p, signs in enumerate(() if track is None else track.T):
             if signs[0] * signs[-1] < 0.0:
                 pairs[p].append((i, i + 1, True))
-            elif (
-                signs[0] != 0.0
-                and (signs == signs[0]).all()
-                and not _dips(power[a : b + 1, p], seen.freq_hz[a : b + 1])
-            ):
+            elif signs[0] and (signs == signs[0]).all() and not _dips(power[gap, p], seen.freq_hz[gap]):
                 pairs[p].append((i, i + 1, False))
     return pairs
 

@@ -84,9 +84,8 @@ class Recording(ReadOnly, Viewed):
             wanted = f"a real array ({array.shape[1]},), one value for each sample of responses"
             force = real_array("force", force, ndim=1, wanted=wanted)
             if force.size != array.shape[1]:
-                reject(
-                    "force", f"{force.size} samples", wanted, "Cut force and responses to the same samples."
-                )
+                remedy = "Cut force and responses to the same samples."
+                reject("force", f"{force.size} samples", wanted, remedy)
             in_range("force", force)
             force = frozen(force)
         if time_s is not None:
@@ -129,9 +128,8 @@ def _instants(time_s: Any, n_samples: int) -> FloatArray:
     wanted = f"a real array ({n_samples},) that ascends, one instant in s for each sample"
     instants = real_array("time_s", time_s, ndim=1, wanted=wanted)
     if instants.size != n_samples:
-        reject(
-            "time_s", f"{instants.size} instants", wanted, "Leave it out, or cut both to the same samples."
-        )
+        remedy = "Leave it out, or cut both to the same samples."
+        reject("time_s", f"{instants.size} instants", wanted, remedy)
     falls = np.flatnonzero(np.diff(instants) <= 0.0)
     if falls.size:
         at = int(falls[0])
@@ -150,12 +148,9 @@ class PooledRecording(Recording):
 
     def __init__(self, parts: Sequence[Recording]) -> None:
         forces = [part.force for part in parts if part.force is not None]
-        super().__init__(
-            np.concatenate([part.responses for part in parts], axis=1),
-            parts[0].fs_hz,
-            parts[0].dofs,
-            np.concatenate(forces) if len(forces) == len(parts) else None,
-        )
+        force = np.concatenate(forces) if len(forces) == len(parts) else None
+        responses = np.concatenate([part.responses for part in parts], axis=1)
+        super().__init__(responses, parts[0].fs_hz, parts[0].dofs, force)
         object.__setattr__(self, "parts", tuple(parts))
 
     def __repr__(self) -> str:

@@ -73,16 +73,8 @@ def averaged(responses: Sequence[FrequencyResponse], name: str = "source") -> Fr
     variance = np.sum(np.abs(values - mean) ** 2, axis=0) / (2.0 * count * (count - 1.0)) / size
     width = min(int(np.ceil(FREEDOM / (2.0 * (count - 1.0)))), first.n_freq)
     std = np.sqrt(size * np.array([running_mean(row, width) for row in variance]))
-    return AveragedResponse(
-        values,
-        first.freq_hz,
-        mean,
-        first.dofs,
-        first.kind,
-        first.reference,
-        n_averages=float(len(responses)),
-        std=std,
-    )
+    of_all = first.freq_hz, mean, first.dofs, first.kind, first.reference
+    return AveragedResponse(values, *of_all, n_averages=float(len(responses)), std=std)
 
 
 def pooled(records: Sequence[Recording], name: str = "source") -> Recording:
@@ -119,11 +111,7 @@ def as_first(first: FrequencyResponse, one: FrequencyResponse, name: Argument) -
             wanted = f"that of the first response, {getattr(first, what)!r}"
             reject(name, got, wanted, "Average responses of one kind, to one reference.")
     if one.freq_hz.shape != first.freq_hz.shape or not np.allclose(one.freq_hz, first.freq_hz, rtol=1e-9):
-        reject(
-            name,
-            f"{one.n_freq} lines from {one.freq_hz[0]:g} to {one.freq_hz[-1]:g} Hz",
-            f"the lines of the first response, {first.n_freq} from {first.freq_hz[0]:g} to "
-            f"{first.freq_hz[-1]:g} Hz",
-            "Estimate all with the same segments.",
-        )
+        own, lines = (f"from {each.freq_hz[0]:g} to {each.freq_hz[-1]:g} Hz" for each in (one, first))
+        wanted = f"the lines of the first response, {first.n_freq} {lines}"
+        reject(name, f"{one.n_freq} lines {own}", wanted, "Estimate all with the same segments.")
     return one.values[_rows(first, one, name, "responses at", "response")]

@@ -295,12 +295,8 @@ class CrossSpectra:
         """Spectra of some of the channels, without the segments; these spectra if it is all of them."""
         if rows == list(range(self.matrix.shape[1])):
             return self
-        return replace(
-            self,
-            matrix=self.matrix[:, rows][:, :, rows],
-            segments=None,
-            noise=None if self.noise is None else self.noise[rows],
-        )
+        noise = None if self.noise is None else self.noise[rows]
+        return replace(self, matrix=self.matrix[:, rows][:, :, rows], segments=None, noise=noise)
 
 
 def effective_averages(taper: FloatArray, step: int, n_segments: int) -> float:
@@ -354,14 +350,10 @@ def cross_spectra(
     scale = factor[:, None] * unit
     products *= scale[:, :, None]
     products *= scale[:, None, :] / done
-    return CrossSpectra(
-        freq,
-        products,
-        done,
-        n_effective=sum(effective_averages(taper, step, count) for count in counts),
-        segments=Segments(segments, products, scale, np.ones(scale.shape)),
-        draws=np.repeat(np.arange(len(parts)), counts) if len(parts) > 1 else None,
-    )
+    effective = sum(effective_averages(taper, step, count) for count in counts)
+    draws = np.repeat(np.arange(len(parts)), counts) if len(parts) > 1 else None
+    each = Segments(segments, products, scale, np.ones(scale.shape))
+    return CrossSpectra(freq, products, done, n_effective=effective, segments=each, draws=draws)
 
 
 def _transforms(

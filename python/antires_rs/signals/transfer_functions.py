@@ -63,14 +63,8 @@ def frf(
     force_of(rec)
     spectra = averaged_spectra(rec, nperseg, noverlap, window, method, include_force=True)
     values, coherence = two_channel(spectra.matrix, spectra.matrix.shape[1] - 1, estimator)
-    return FrequencyResponse(
-        spectra.freq_hz,
-        values[:-1],
-        rec.dofs,
-        "frf",
-        coherence=coherence[:-1] if spectra.n_averages > 1 else None,
-        n_averages=spectra.n_effective,
-    )
+    known = None if spectra.n_averages == 1 else coherence[:-1], spectra.n_effective
+    return FrequencyResponse(spectra.freq_hz, values[:-1], rec.dofs, "frf", None, *known)
 
 
 def transmissibility(
@@ -134,16 +128,8 @@ def transmissibility(
         if rec.n_channels > 1:
             std = std_of_rank_one(spectra, j)
     values[j] = 1.0
-    return FrequencyResponse(
-        spectra.freq_hz,
-        values,
-        rec.dofs,
-        "transmissibility",
-        reference,
-        coherence if spectra.n_averages > 1 else None,
-        spectra.n_effective,
-        std,
-    )
+    known = None if spectra.n_averages == 1 else coherence, spectra.n_effective, std
+    return FrequencyResponse(spectra.freq_hz, values, rec.dofs, "transmissibility", reference, *known)
 
 
 def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:

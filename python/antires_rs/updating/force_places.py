@@ -28,11 +28,11 @@ from ..exceptions import Argument, reject
 from ..measured.antiresonance_set import AntiresonanceSet, aligned, number
 from ..measured.matching import check_set, paired
 from ..models.structural_model import StructuralModel, checked_model
-from ..support.checks import BoolArray, FloatArray, IntArray, finite_scalar, frequency_band, members, shape_of
+from ..support.checks import FloatArray, IntArray, finite_scalar, frequency_band, members, shape_of
 from ..support.messages import warn
 from ..support.progress import patient
 from ..support.values import Value
-from .targets import measured_together, roots_of
+from .targets import measured_together, roots_of, shared_by_all
 
 FOUND, FALSE = 0.8, 0.2  # chance that a root is found; false values a response
 SHARED = 5e-4  # relative distance in Hz up to which roots of two responses are one
@@ -186,7 +186,8 @@ def rank_force_places(
         tally = _Tally(band[1] - band[0], error)
         for key, end in zip(rows, ends, strict=True):
             root = np.empty(0) if found[end] is None else found[end]
-            root = root[(root >= band[0]) & ~_hidden(root, [found[own] for own in together if own != end])]
+            others = (found[own] for own in together if own != end)
+            root = root[(root >= band[0]) & ~shared_by_all(root, others, SHARED)]
             std = measured.tables[key].std_hz if key in values else np.empty(0)
             inside = np.isin(measured[key], values[key]) if key in values else slice(None)
             tally.add(values.get(key, np.empty(0)), std[inside], root)
@@ -263,13 +264,6 @@ def _sets(model: StructuralModel, places: Any, ends: Sequence[Any], order: int) 
             reject(Argument("places").item(nth), got, needed, "Name one dof for each force.")
         numbers.append(tuple(dofs) if order > 1 else dofs[0])
     return list(dict.fromkeys(numbers))
-
-
-def _hidden(root: FloatArray, others: Iterable[FloatArray | None]) -> BoolArray:
-    """Which roots of a response all others that respond have, too; none without any."""
-    apart = (np.abs(root[:, None] - own).min(axis=1, initial=np.inf) for own in others if own is not None)
-    shared = [each <= SHARED * root for each in apart]
-    return np.asarray(np.logical_and.reduce(shared or [np.zeros(root.size, dtype=bool)]))
 
 
 def _counted(n: int, noun: str) -> str:

@@ -302,11 +302,8 @@ def identifiability(
     error = 2.0 * taken  # of omega squared, hence twice that of the frequency
     covariance = expected_covariance(jacobians, error)
     left, vectors = combinations(covariance)
-    words = [
-        combination_in_words(names, v)
-        for v, share in zip(vectors, left, strict=True)
-        if share >= BoxIdentifiability.TOLD
-    ]
+    untold = vectors[left >= BoxIdentifiability.TOLD]
+    words = [combination_in_words(names, direction) for direction in untold]
     helpful = _alike(names, jacobians)
     if np.linalg.eigvalsh(covariance)[-1] >= BoxIdentifiability.TOLD**2:
         tried = _candidates(problem, forces, sensors)

@@ -112,10 +112,8 @@ class Affine(Large):
         self.stiffness, self.mass = matrices(self.core)
         self.of_stiffness = [_SCALES[p.quantity] == "K" for p in problem.parameters]
         every = {True: self.core.stiffness_terms(), False: self.core.mass_terms()}
-        self.terms = [
-            Term.of(*(every[of_stiffness][term] for term in p.terms))
-            for p, of_stiffness in zip(problem.parameters, self.of_stiffness, strict=True)
-        ]
+        own = zip(problem.parameters, self.of_stiffness, strict=True)
+        self.terms = [Term.of(*(every[of_k][term] for term in p.terms)) for p, of_k in own]
 
 
 # -- A basis that carries a model and its parameters' effect near one point, for antiresonances up to a limit
@@ -298,71 +296,7 @@ def expected_errors(
     return np.asarray(np.abs(stretch * lacking / slope) / (2.0 * roots))
 
 
-# -- Descent on values and roots put side by side, one to one and in order: leads near the answer from afar
-#
-# The objective pairs each value with the nearest root, anew at every x, and so pulls roots that are off by a
-# spacing to the wrong neighbour. Here the values of each response are aligned with the model's roots as a
-# whole, with gaps on both sides, and :math:`\sum |\ln f_A - \ln f_E|` is brought down by linear steps within
-# the bounds (iteratively reweighted least squares).
-
-_STD, _SHRINK, _LEAST_STD = 0.1, 0.75, 0.02  # of ln f in the alignment, its decrease a step, the least
-#: Standard deviations at which a value stays alone, or a root, or one above the highest value.
-_ALONE, _ALONE_ROOT, _ALONE_ABOVE = 3.0, 2.0, 0.3
-#: Trust region, as a share of the bounds' distance; most steps; a step that ends the descent.
-_FIRST_TRUST, _TRUST, _STEPS, _SMALL_STEP = 0.35, 0.25, 12, 0.02
-_REWEIGHTINGS, _DAMPING = 3, 1e-3  # reweightings of a step, and the weight of a step's own length
-
-
-def aligned_descent(
-    core: _core.Objective, targets: list[tuple[int, FloatArray]], x: FloatArray, bounds: FloatArray
-) -> FloatArray:
-    """Where the descent ends that begins at ``x``; ``targets`` are number and values of each."""
-    response = np.repeat([nth for nth, _ in targets], [freq.size for _, freq in targets]).astype(np.int64)
-    measured = np.log(np.concatenate([np.sort(freq) for _, freq in targets]))
-    low, high = bounds.T
-    width = high - low
-    std, trust = _STD, _FIRST_TRUST
-    highest = float(np.exp(measured.max()))
-    for nth in range(_STEPS):
-        (target, freq_hz, shown, slopes, *_), *_ = core.states(x[None], True, 1, 0.0, _BAND * highest)
-        seen = shown > 0.5  # roots that can be measured
-        slopes, log_f = np.reshape(slopes, (freq_hz.size, x.size))[seen], np.log(freq_hz[seen])
-        price = 0.5 * np.log(2.0 * np.pi) + np.log(std) + 0.5 * _ALONE**2
-        roots = target[seen].astype(np.int64), log_f, np.full(log_f.size, 1e-6)
-        alone = 0.5 * np.where(freq_hz[seen] > highest, _ALONE_ABOVE, _ALONE_ROOT) ** 2
-        values = response, measured, np.full(measured.size, std)
-        partner = _core.associate(*values, *roots, float(price), alone)
-        paired = partner >= 0
-        if not paired.any():
-            break
-        apart = log_f[partner[paired]] - measured[paired]
-        room = (np.maximum((low - x) / width, -trust), np.minimum((high - x) / width, trust))
-        step = _least_absolute(apart, slopes[partner[paired]] * width, room)
-        x = np.clip(x + step * width, low, high)
-        std, trust = max(_LEAST_STD, _SHRINK * std), _FIRST_TRUST if nth < 4 else _TRUST
-        if np.abs(step).max() < _SMALL_STEP:
-            break
-    return x
-
-
-def _least_absolute(apart: FloatArray, slopes: FloatArray, room: tuple[FloatArray, FloatArray]) -> FloatArray:
-    """The step d within ``room`` of least sum of abs(apart + slopes d)."""
-    from scipy.optimize import lsq_linear
-
-    n = slopes.shape[1]
-    low, high, step = np.minimum(room[0], -1e-9), np.maximum(room[1], 1e-9), np.zeros(n)
-    floor = max(1e-5, 0.3 * float(np.median(np.abs(apart))))
-    for _ in range(_REWEIGHTINGS):
-        weight = 1.0 / np.sqrt(np.maximum(np.abs(apart + slopes @ step), floor))
-        rows = np.vstack([slopes * weight[:, None], _DAMPING * np.eye(n)])
-        step = lsq_linear(rows, np.append(-apart * weight, np.zeros(n)), (low, high), method="bvls").x
-    return np.asarray(step)
-
-
 _INDEPENDENT = 1e-6  # measured dofs whose least motion apart is below this part of the largest move as one
-_STARTS = 8  # most starts of a descent
-_SHARE, _EXPLAINED = 0.8, 1e-3  # quantile of the residuals that judges a descent, and up to what it explains
-_SAME = 0.02  # two descents ended at one place within this part of the box
 _FARTHEST = 0.05  # a ratio of full to reduced frequency further from one than this is that of another root
 
 
@@ -394,25 +328,6 @@ class ReducedProblem:
     def paired_hz(self, x: FloatArray) -> FloatArray:
         """Frequency paired with each measured one, (m,) Hz; NaN without one."""
         return np.asarray(self.core.pairs(x)[0] * self.ratio)
-
-    def approached(self, x: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """Where a descent on aligned values leads from ``x``; if that explains little, from other points."""
-        problem = self._affine.problem
-        values = [(nth, freq) for nth, (_, _, freq, *_) in enumerate(self._parts) if freq.size]
-        low, high = problem.bounds.T
-        best, least = x, np.inf
-        for _ in range(_STARTS):
-            found = aligned_descent(self.core, values, x, problem.bounds)
-            pairs = self.core.pairs(found)[0]
-            apart = np.abs(np.where(np.isnan(pairs), 0.0, pairs / problem.measured_hz) ** 2 - 1.0)
-            size = float(np.quantile(apart, _SHARE))
-            again = bool(np.all(np.abs(found - best) <= _SAME * (high - low))) and np.isfinite(least)
-            if size < least:
-                best, least = found, size
-            if again or least <= _EXPLAINED:
-                break
-            x = rng.uniform(low, high)
-        return best
 
     def _objective(self) -> _core.Objective:
         ratios = np.split(self.ratio, np.cumsum([part[2].size for part in self._parts])[:-1])
@@ -673,9 +588,8 @@ class _Search:
 
     def run(self, start: FloatArray) -> _Answer:
         """The answer that a search from ``start`` ends at."""
-        near = self._whole.approached(start, self.rng)
         options = self._descent if self.found else None
-        return self._settled(self._answer(self._whole, self._around(near, 1.0), near, options))
+        return self._settled(self._answer(self._whole, self._around(start, 1.0), start, options))
 
     def agreed(self, start: FloatArray) -> _Answer:
         """The answer from ``start``; unless it explains all, the best of it and others until two agree."""

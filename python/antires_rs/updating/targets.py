@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import islice
@@ -199,13 +199,9 @@ def complex_zeros(
 
     first = model.modes(n_modes=1).freq_hz
     if first.size and first[0] > _MODES * f_max_hz:
+        got = f"one whose first resonance is {first[0]:.3g} Hz"
         wanted = f"resonances near the values, up to {f_max_hz:.4g} Hz"
-        reject(
-            "model",
-            f"one whose first resonance is {first[0]:.3g} Hz",
-            wanted,
-            "Check its units: m, kg, N, Pa.",
-        )
+        reject("model", got, wanted, "Check its units: m, kg, N, Pa.")
     modes = model.modes(f_max_hz=_MODES * f_max_hz)
     n, rows, columns = modes.freq_hz.size, members(response), members(excitation)
     # Eigenvalues x of the pencil [[L - x, phi_k], [phi_i', 0]], L being the diagonal of the eigenvalues, in
@@ -323,8 +319,10 @@ def steady(
     }
     none = (np.empty(0), np.empty(0))
     own = [(every[dof] or none)[0] for dof in dofs]
-    if sees == "transmissibility":
-        hidden = [_shared_by_all(dof, every, channels) for dof in dofs]
+    if sees == "transmissibility":  # shared also where theirs have just become complex
+        all_of = {dof: None if both is None else np.concatenate(both) for dof, both in every.items()}
+        others = [[all_of[other] for other in channels if other != dof] for dof in dofs]
+        hidden = [shared_by_all(*each, _SHARED) for each in zip(own, others, strict=True)]
     else:  # where it is not known what was seen, nothing is hidden
         poles = model.modes(f_max_hz=1.1 * limit_hz).freq_hz if sees == "frf" else np.empty(0)
         hidden = [_near(freq, poles, _ON_POLE) for freq in own]
@@ -338,8 +336,8 @@ def steady(
     found = []
     for dof, freq, unseen, total in zip(dofs, own, hidden, change, strict=True):
         weight = np.clip((_UNSTEADY - total) / (_UNSTEADY - _ORDINARY), 0.0, 1.0) * ~unseen
-        others = (every[dof] or none)[1]
-        found.append((np.append(freq, others), np.append(weight, np.zeros(others.size))))
+        rest = (every[dof] or none)[1]
+        found.append((np.append(freq, rest), np.append(weight, np.zeros(rest.size))))
     return found
 
 
@@ -358,13 +356,9 @@ def followed(own: tuple[FloatArray, FloatArray], now: FloatArray | None) -> tupl
     return now[kept > 0.0], kept[kept > 0.0]
 
 
-def _shared_by_all(
-    dof: End, every: dict[End, tuple[FloatArray, FloatArray] | None], channels: list[End]
-) -> BoolArray:
-    """Which roots of a response all others share, also where theirs have just become complex."""
-    freq = (every[dof] or (np.empty(0),))[0]
-    others = [every[other] for other in channels if other != dof]
-    shared = [_near(freq, np.concatenate(both), _SHARED) for both in others if both is not None]
+def shared_by_all(freq: FloatArray, others: Iterable[FloatArray | None], within: float) -> BoolArray:
+    """Which roots of a response all others that respond have, too; none without any."""
+    shared = [_near(freq, own, within) for own in others if own is not None]
     return np.asarray(np.logical_and.reduce(shared or [np.zeros(freq.size, dtype=bool)]))
 
 
