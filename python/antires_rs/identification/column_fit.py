@@ -56,6 +56,7 @@ SEARCH_LINES = 600  # so many tell the degree
 PASSES = 5  # of inverse iteration, for the vectors of least misfit
 STEPS, SETTLED = 10, 1e-2  # damped steps of a search, and the relative gain at which they end
 LAST_STEPS, LAST_SETTLED = 20, 1e-6  # of the last fit
+FIRST_STEPS = 2  # tell whether one more degree gains
 DAMPING, LESS, MORE, LEAST_DAMPING, MOST_DAMPING = 1e-8, 0.05, 20.0, 1e-13, 1e6  # shares of the diagonal
 LEAST_DIAGONAL = 1e-3  # of its mean
 PATIENCE = 2  # degrees without gain after which none is looked for
@@ -284,10 +285,11 @@ def likeliest_columns(lines: MinorLines, max_order: int) -> LikeliestColumns:
     # All lines tell of more degrees than some did; roots move by those that are left out.
     data = 2.0 * order * (n - order) * count * min(1.0, lines.independent)
     while degree < most:
-        more, less = last.refined(last.padded(columns, degree + 1), LAST_STEPS, LAST_SETTLED)
+        more, less = last.refined(last.padded(columns, degree + 1), FIRST_STEPS, LAST_SETTLED)
         if criterion(less, more, data) >= criterion(misfit, columns, data):
             break
-        columns, misfit, degree = more, less, degree + 1
+        columns, misfit = last.refined(more, LAST_STEPS, LAST_SETTLED)
+        degree += 1
     last.columns = columns
     return LikeliestColumns(last, order * degree, last.minors(columns), misfit, columns)
 
