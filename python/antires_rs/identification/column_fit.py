@@ -20,9 +20,11 @@ minors det N[I, :], polynomials of degree r m if the columns have degree m. Thei
 so A tells their errors (:class:`MinorInfluence`): with du = P x (x' u_j) / (l_j - 1) of every segment x.
 
 *Leakage.* A window puts shares g_k of a line's power k lines further, so that S_f has the columns of its
-neighbours: u_j moves by P sum_k g_k S_{f+k} u_j / (l_j - 1), the same in every segment, of which no scatter
-tells. With S_{f+k} = N B diag(l - 1) B' N' of a first fit it is taken out of U before the last one. Zeros of
-frames were off by up to two standard deviations, and of three forces without noise by more.
+neighbours: L = sum_k g_k S_{f+k}, the same in every segment, of which no scatter tells. With
+S_{f+k} = N B diag(l - 1) B' N' of a first fit what lies outside the columns, L - (I - P) L (I - P), is taken
+out of S before the last one. Zeros of frames were off by up to two standard deviations, and of three forces
+without noise by more. What scatters of it alternates from one overlapping segment to the next, so that it
+averages out sooner than noise, which their correlation tells.
 
 Sources: M. Viberg and B. Ottersten, IEEE Trans. Signal Process. 39 (1991) 1110-1121 (weighted subspace
 fitting); D. W. Marquardt, J. SIAM 11 (1963) 431-441.
@@ -54,6 +56,7 @@ SEARCH_LINES = 600  # so many tell the degree
 PASSES = 5  # of inverse iteration, for the vectors of least misfit
 STEPS, SETTLED = 10, 1e-2  # damped steps of a search, and the relative gain at which they end
 LAST_STEPS, LAST_SETTLED = 20, 1e-6  # of the last fit
+FIRST_STEPS = 2  # tell whether one more degree gains
 DAMPING, LESS, MORE, LEAST_DAMPING, MOST_DAMPING = 1e-8, 0.05, 20.0, 1e-13, 1e6  # shares of the diagonal
 LEAST_DIAGONAL = 1e-3  # of its mean
 PATIENCE = 2  # degrees without gain after which none is looked for
@@ -196,21 +199,25 @@ class ColumnFit(NumeratorFit):
                 break
         return columns, now.misfit
 
-    def without_leakage(self, shares: FloatArray, freq_hz: FloatArray, columns: FloatArray) -> None:
-        """Take out what the window leaks into the subspaces from lines beside, as these columns tell it.
+    def without_leakage(self, seen: Subspaces, shares: FloatArray, columns: FloatArray) -> None:
+        """Take out what the window leaks into the spectra from lines beside, as these columns tell it.
 
         ``shares`` are those of the power that go to the next line, the one after it, ... to either side.
         """
         state, above = self.state(columns), self._above[:, None]
         signal = (state.b * above) @ state.b.conj().transpose(0, 2, 1)
-        leaked, spacing_hz = np.zeros_like(self._basis), float(np.diff(freq_hz).min())
+        spacing_hz = float(np.diff(seen.freq_hz).min())
+        of_columns = np.zeros((*state.n.shape[:2], state.n.shape[1]), dtype=np.complex128)
         for k, share in enumerate(shares.tolist(), 1):
-            beside = freq_hz[k:] - freq_hz[:-k] < (k + 0.5) * spacing_hz  # and no hum taken out between
-            for here, there in ((slice(k, None), slice(-k)), (slice(-k), slice(k, None))):
-                n = state.n[there]
-                of_basis = signal[there] @ (n.conj().transpose(0, 2, 1) @ self._basis[here])
-                leaked[here] += (share * beside)[:, None, None] * (n @ of_basis)
-        self._basis = self._basis - (leaked - state.n @ (state.inverse @ leaked)) / above
+            # Of one neighbour alone, at an end of the band or beside hum, the slope would rule.
+            both = seen.freq_hz[2 * k :] - seen.freq_hz[: -2 * k] < (2 * k + 0.5) * spacing_hz
+            for there in (slice(2 * k, None), slice(-2 * k)):
+                n = (share * both)[:, None, None] * state.n[there]
+                of_columns[k:-k] += n @ signal[there] @ state.n[there].conj().transpose(0, 2, 1)
+        inside = state.n @ state.inverse
+        of_columns -= inside @ of_columns @ inside
+        matrix = (seen.vectors * seen.values[:, None]) @ seen.vectors.conj().transpose(0, 2, 1) - of_columns
+        self._basis = np.linalg.eigh(matrix)[1][:, :, : -self.step - 1 : -1]
 
 
 @dataclass(frozen=True)
@@ -270,12 +277,28 @@ def likeliest_columns(lines: MinorLines, max_order: int) -> LikeliestColumns:
     at = fit.basis.at(np.asarray(1j * seen.freq_hz / fit.scale_hz, dtype=np.complex128), degree)
     n_at = at @ columns.reshape(degree + 1, -1)
     size = np.sum(np.abs(n_at) ** 2, axis=1)
-    last = ColumnFit(seen, size, rows, min(most, degree + HIGHER), slice(None))
+    most = min(most, degree + HIGHER)
+    last = ColumnFit(seen, size, rows, most, slice(None))
     columns = last.projected(n_at, degree, slice(None)).reshape(columns.shape)
-    last.without_leakage(lines.leakage, seen.freq_hz, columns)
+    last.without_leakage(seen, lines.leakage, columns)
     columns, misfit = last.refined(columns, LAST_STEPS, LAST_SETTLED)
+    # All lines tell of more degrees than some did; roots move by those that are left out.
+    data = 2.0 * order * (n - order) * count * min(1.0, lines.independent)
+    while degree < most:
+        more, less = last.refined(last.padded(columns, degree + 1), FIRST_STEPS, LAST_SETTLED)
+        if criterion(less, more, data) >= criterion(misfit, columns, data):
+            break
+        columns, misfit = last.refined(more, LAST_STEPS, LAST_SETTLED)
+        degree += 1
     last.columns = columns
     return LikeliestColumns(last, order * degree, last.minors(columns), misfit, columns)
+
+
+def criterion(misfit: float, columns: FloatArray, data: float) -> float:
+    """Of Schwarz, of columns that leave so much of so many independent data."""
+    terms, n, order = columns.shape
+    free = order * (n - order) * terms
+    return float(max(data - free, 1.0) * np.log(max(misfit, 1e-300)) + free * np.log(data))
 
 
 class _Search:
@@ -293,10 +316,7 @@ class _Search:
                 before = self.fit.padded(self.tried[degree - 1][1], degree)
                 columns = min(columns, before, key=lambda one: self.fit.state(one).misfit)
             columns, q = self.fit.refined(columns, STEPS, SETTLED)
-            _, n, order = columns.shape
-            free = order * (n - order) * (degree + 1.0)
-            value = max(self.data - free, 1.0) * np.log(max(q, 1e-300)) + free * np.log(self.data)
-            self.tried[degree] = (float(value), columns)
+            self.tried[degree] = (criterion(q, columns, self.data), columns)
         return self.tried[degree][0]
 
     def likeliest(self, top: int) -> int:
@@ -346,9 +366,24 @@ class MinorInfluence(Influence):
         pushed = self._scale * np.sum((self._vectors.T @ self._push) ** 2, axis=1)
         self._inverse[np.sqrt(pushed) * self._inverse > LOOSE] = 0.0
         assert isinstance(lines, MinorLines)
+        if self._sums is None and lines.overlapping:
+            self._scale *= self._together(lines.overlapping) / lines.averages_ratio
         # What is left beyond noise, as by leakage, adds to the errors as to the misfit.
         by_noise = lines.subspaces.by_noise(slice(None), lines.averages_ratio)
         self._scale *= max(1.0, best.misfit / by_noise)
+
+    def _together(self, overlapping: int) -> float:
+        """Variance of a sum over all segments, over that of as many independent ones.
+
+        By the correlation of segments with the next ones, the mean of all directions: what a window leaks at
+        the end of one it takes back at the begin of another, so that leakage averages out sooner than noise.
+        """
+        pushed = self._vectors[:, self._inverse > 0.0].T @ self._push
+        pushed /= np.linalg.norm(pushed, axis=1, keepdims=True)
+        count = pushed.shape[1]
+        by_mean = 1.0 / count  # that was taken away
+        both = [np.mean(np.sum(pushed[:, :-k] * pushed[:, k:], axis=1)) for k in range(1, overlapping + 1)]
+        return float(max(1.0 + 2.0 * sum(one + by_mean for one in both), by_mean))
 
     def _unknowns(self, best: Likeliest) -> tuple[FloatArray, FloatArray, float]:
         assert isinstance(best, LikeliestColumns)

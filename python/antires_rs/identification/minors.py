@@ -170,10 +170,14 @@ def noise_beside(matrix: ComplexArray, start: FloatArray, order: int) -> FloatAr
 
 
 def floor_of(values: FloatArray, order: int) -> FloatArray:
-    """Noise level of every line, (n_freq,): running median of the mean of what is beyond r eigenvalues."""
+    """Noise level of every line, (n_freq,), of the mean of what is beyond r eigenvalues.
+
+    Its running median, and its own where more leaks to a line.
+    """
     from scipy.ndimage import median_filter  # slow to import
 
-    rest = median_filter(values[:, order:].mean(axis=1), size=FLOOR_LINES, mode="nearest")
+    own = values[:, order:].mean(axis=1)
+    rest = np.maximum(median_filter(own, size=FLOOR_LINES, mode="nearest"), own)
     return np.asarray(np.maximum(rest, 1e-15 * float(values[:, 0].max())))
 
 
@@ -269,12 +273,14 @@ def subspaces(averages: Averages, order: int) -> Subspaces:
 class MinorLines(Lines):
     """Minors of the ``rows`` (n_minors, r) of ``subspaces``; the segments are those of the channels.
 
-    Of the power at a line the window puts the shares ``leakage`` one line, two lines ... to either side.
+    Of the power at a line the window puts the shares ``leakage`` one line, two lines ... to either side; a
+    segment shares samples with so many ``overlapping`` ones after it.
     """
 
     subspaces: Subspaces
     rows: NDArray[np.intp]
     leakage: FloatArray
+    overlapping: int = 0
 
     def part(self, first: int, last: int) -> Self:
         """Some of the lines."""
@@ -286,6 +292,11 @@ def lines_of_minors(averages: Averages, some: Subspaces, rows: NDArray[np.intp])
     vectors = some.minors(rows)
     share = np.sum(np.abs(vectors) ** 2, axis=1)  # of all minors, some of which may be left out
     window = np.zeros(1) if averages.taper is None else np.abs(np.fft.fft(averages.taper)) ** 2
+    overlapping = 0
+    if averages.nperseg is not None:
+        shared = averages.options.noverlap
+        step = averages.nperseg - (averages.nperseg // 2 if shared is None else shared)
+        overlapping = -(-averages.nperseg // step) - 1
     return MinorLines(
         some.freq_hz,
         unit(vectors.T),
@@ -298,6 +309,7 @@ def lines_of_minors(averages: Averages, some: Subspaces, rows: NDArray[np.intp])
         subspaces=some,
         rows=rows,
         leakage=(window / max(window.sum(), 1e-300))[1 : LEAKS + 1],
+        overlapping=overlapping,
     )
 
 
