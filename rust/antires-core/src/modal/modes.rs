@@ -4,9 +4,9 @@
 //!
 //! All modes of a model up to a limit: frequencies, shapes, and the adjoint solutions for their derivatives.
 //!
-//! Where factors of K − xM are cheap it is solved by [`ReducedModes`](crate::modal::reduced::ReducedModes), where a count of the modes
+//! Where factors of K − xM are cheap it is solved by [`ReducedModes`], where a count of the modes
 //! by inertia proves that none is missing; all else, and what that leaves open, by the dense
-//! [`SymmetricSolver`](crate::linalg::symmetric::SymmetricSolver).
+//! [`SymmetricSolver`].
 //!
 //! # frf
 //!
@@ -200,7 +200,7 @@ impl LowModes {
         &self.shapes[first * self.n..(last + 1) * self.n]
     }
 
-    /// Solves (K − λM) z = g with zᵀMφ = 0 for mode `r` and a slope `g` with gᵀφ = 0, see [`nelson`]; `solved`
+    /// Solves (K − λM) z = g with zᵀMφ = 0 for mode `r` and a slope `g` with gᵀφ = 0, see [`columns`]; `solved`
     /// are the matrices whose modes these are.
     ///
     /// Not for a repeated mode, whose shape has no derivative.

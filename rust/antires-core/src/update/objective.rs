@@ -8,7 +8,7 @@
 //! e = x_A / x_E − 1,  x = ω²        de/dp = (dx_A/dp) / x_E
 //! ```
 //!
-//! with dx_A/dp from [`crate::antiresonances::sensitivities`], and at the edge of the band as of [`crate::update::pairing`].
+//! with dx_A/dp from [`ZeroSensitivity`], and at the edge of the band as of [`crate::update::pairing`].
 //! The pairing counts as fixed: where a measured antiresonance is about to change its partner the linear model is
 //! wrong, and the optimizer's trust region finds out.
 //!
