@@ -58,11 +58,7 @@ class Model:
     ) -> NDArray[np.complex128]: ...
     def antiresonances(
         self, responses: Sequence[Sequence[int]], excitation: Sequence[int], f_max_hz: float, method: str,
-        include_cancelled: bool
-    ) -> list[tuple[_Floats, bool, bool]]: ...
-    def bounded_antiresonances(
-        self, responses: Sequence[Sequence[int]], excitation: Sequence[int], f_max_hz: float, method: str,
-        include_cancelled: bool
+        include_cancelled: bool, bounded: bool
     ) -> list[tuple[_Floats, _Floats, bool, bool]]: ...
 
 @final

@@ -83,7 +83,7 @@ _EDGE = 1e-6  # relative distance from which on a mode is above the highest one 
 
 
 def _warn_doubts(
-    dof: End, excitation: Any, n_dof: int, values: Sequence[FloatArray], zero: bool, doubtful: bool
+    dof: End, excitation: Any, n_dof: int, uncertain: Sequence[float], zero: bool, doubtful: bool
 ) -> None:
     """Say whether H is zero, whether roots may be missing, and which (by their bounds) are not certain."""
     response = f"response dof{'s' * isinstance(dof, tuple)} {', '.join(map(str, members(dof)))}"
@@ -98,8 +98,8 @@ def _warn_doubts(
         text = f"{response}: rounding hides whether antiresonances of it are missing or double; with {n_dof} "
         text += "dofs only other units or fewer digits between the stiffest and the softest part would tell."
         warn("hidden_by_rounding", text)
-    if len(values) == 2 and np.isinf(values[1]).any():
-        named = some(f"{f:.6g}" for f in values[0][np.isinf(values[1])])
+    if len(uncertain):
+        named = some(f"{f:.6g}" for f in uncertain)
         text = f"{response}: {named} Hz are not certain: too close to others to be told from them, or moved "
         warn("uncertain_roots", text + "too far by the rounding of K and M.")
 
@@ -496,18 +496,18 @@ class StructuralModel(AroundCore[CoreModel]):
         both = bounds or self._needs_both_methods
 
         def solve(core: CoreModel, rows: list[list[int]], forces: list[int]) -> Any:
-            solved: Any = core.bounded_antiresonances if both else core.antiresonances
-            call = partial(solved, rows, forces, limit, method, bool(include_cancelled))
+            call = partial(core.antiresonances, rows, forces, limit, method, bool(include_cancelled), both)
             what = f"antiresonances of {len(rows)} responses"
             return call() if self.n_dof < MANY_DOFS else interruptible(call, what)
 
         zeros = []
         for dof, found in zip(dofs, self._roots(dofs, force, solve), strict=True):
-            *values, is_zero, is_doubtful = found
+            freq_hz, error_hz, is_zero, is_doubtful = found
             if bounds and is_doubtful and self._middle_is_lost:  # a bound of first order says nothing there
-                values[1] = np.full_like(values[1], np.inf)
-            _warn_doubts(dof, excitation, self.n_dof, values, is_zero, is_doubtful)
-            zeros.append((values[0], values[1]) if bounds else values[0])
+                error_hz = np.full_like(error_hz, np.inf)
+            uncertain = freq_hz[np.isinf(error_hz)] if both else []
+            _warn_doubts(dof, excitation, self.n_dof, uncertain, is_zero, is_doubtful)
+            zeros.append((freq_hz, error_hz) if bounds else freq_hz)
         return zeros[0] if is_one else zeros
 
     def simulate(

@@ -298,8 +298,8 @@ def roots_of(
     core, rows = model._core_for([dof for end in (*dofs, force) for dof in members(end)])
     r = len(members(force))
     *responses, forces = (rows[at : at + r] for at in range(0, len(rows), r))
-    found = core.antiresonances(responses, forces, limit_hz, "modal", cancelled)
-    return [None if silent else freq for freq, silent, _ in found]
+    found = core.antiresonances(responses, forces, limit_hz, "modal", cancelled, False)
+    return [None if silent else freq for freq, _, silent, _ in found]
 
 
 def steady(

@@ -157,12 +157,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_message_says_argument_got_wanted_and_remedy() {
-        let error = Error::input("islands", 0, "at least 1").remedy("Leave it out for 4.");
-        assert_eq!(error.to_string(), "islands: got 0; wanted at least 1. Leave it out for 4.");
-    }
-
-    #[test]
     fn memory_that_is_not_there_is_an_error_with_its_size() {
         let all = Error::check_memory(|| "modes".into(), usize::MAX / 16);
         assert!(matches!(all, Err(Error::Memory { bytes, .. }) if bytes > 1 << 59));

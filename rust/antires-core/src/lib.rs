@@ -75,6 +75,7 @@
 //! - W. D'Ambrogio & A. Fregolent, The use of antiresonances for robust model updating, J. Sound Vib. 236 (2000)
 //!   227-243.
 #![forbid(unsafe_code)]
+#![allow(rustdoc::private_intra_doc_links)] // the sources are read too, and there they lead somewhere
 
 pub mod antiresonances;
 pub mod error;

@@ -4,19 +4,7 @@
 //! s φ_k = b_{k+1} φ_{k+1} − b_k φ_{k−1} and φ_0 = 1 / b_0, the b real: a polynomial Σ c_k φ_k with real c
 //! has real coefficients in s.
 //!
-//! | module | problem |
-//! |---|---|
-//! | [`forsythe`] | φ_0 … φ_m at complex points |
-//! | [`roots`] | all roots of Σ c_k φ_k, from approximations |
-//!
-//! # forsythe
-//!
-//! The basis at complex points.
-//!
-//! # roots
-//!
-//! All roots of Σ c_k φ_k at once, by the method of Ehrlich and Aberth.
-//!
+//! All roots of Σ c_k φ_k are found at once, by the method of Ehrlich and Aberth.
 //! Every approximation takes a Newton step that the others, each taken for a root, repel:
 //!
 //! ```text
@@ -31,9 +19,8 @@
 //! References: O. Aberth, Math. Comp. 27 (1973) 339-344; D. A. Bini, Numer. Algorithms 13 (1996) 179-200.
 
 use faer::c64;
-use pulp::NullaryFnOnce;
 
-use crate::linalg::wide::{self, LANES};
+use crate::linalg::wide::{LANES, total, widest};
 
 // ---- forsythe
 
@@ -82,13 +69,13 @@ pub fn refined(coefficients: &[f64], b: &[f64], start: &[c64]) -> Option<Vec<c64
     let polynomial = Polynomial { c: coefficients, b, over: b.iter().map(|b| 1.0 / b).collect() };
     let mut active: Vec<usize> = (0..order).collect();
     for _ in 0..MOST_ITERATIONS {
-        let steps = wide::run(Newton { polynomial: &polynomial, z: &z, active: &active });
+        let steps = newton(&polynomial, &z, &active);
         let mut left = Vec::with_capacity(active.len());
         for (&i, step) in active.iter().zip(steps) {
             if !(step.newton.re.is_finite() && step.newton.im.is_finite()) {
                 return None;
             }
-            let push = wide::run(Repulsion { z: &z, i });
+            let push = repulsion(&z, i);
             let below = c64::new(1.0, 0.0) - step.newton * push;
             let moved = z[i] - step.newton / below;
             if moved.re.is_finite() && moved.im.is_finite() {
@@ -138,24 +125,16 @@ struct Step {
     stands: bool,
 }
 
-struct Newton<'a> {
-    polynomial: &'a Polynomial<'a>,
-    z: &'a [c64],
-    active: &'a [usize],
-}
-
-impl NullaryFnOnce for Newton<'_> {
-    type Output = Vec<Step>;
-
-    #[inline(always)]
-    fn call(self) -> Vec<Step> {
-        let mut out = Vec::with_capacity(self.active.len());
-        for some in self.active.chunks(LANES) {
+widest!(
+    /// Newton steps of the approximations `active`.
+    fn newton(polynomial: &Polynomial<'_>, z: &[c64], active: &[usize]) -> Vec<Step> {
+        let mut out = Vec::with_capacity(active.len());
+        for some in active.chunks(LANES) {
             let (mut re, mut im) = ([0.0; LANES], [0.0; LANES]);
             for (l, &i) in some.iter().enumerate() {
-                (re[l], im[l]) = (self.z[i].re, self.z[i].im);
+                (re[l], im[l]) = (z[i].re, z[i].im);
             }
-            let (value, slope, terms) = self.polynomial.at(re, im);
+            let (value, slope, terms) = polynomial.at(re, im);
             for l in 0..some.len() {
                 let (p, d) = (c64::new(value.0[l], value.1[l]), c64::new(slope.0[l], slope.1[l]));
                 out.push(Step { newton: p / d, stands: p.l1_norm() <= ROUNDING * terms[l] });
@@ -163,7 +142,7 @@ impl NullaryFnOnce for Newton<'_> {
         }
         out
     }
-}
+);
 
 type Lanes = [f64; LANES];
 
@@ -204,22 +183,14 @@ impl Polynomial<'_> {
     }
 }
 
-/// Σ_{j≠i} 1 / (z_i − z_j).
-struct Repulsion<'a> {
-    z: &'a [c64],
-    i: usize,
-}
-
-impl NullaryFnOnce for Repulsion<'_> {
-    type Output = c64;
-
-    #[inline(always)]
-    fn call(self) -> c64 {
-        let at = self.z[self.i];
-        let (low, high) = (inverse_sum(at, &self.z[..self.i]), inverse_sum(at, &self.z[self.i + 1..]));
+widest!(
+    /// Σ_{j≠i} 1 / (z_i − z_j).
+    fn repulsion(z: &[c64], i: usize) -> c64 {
+        let at = z[i];
+        let (low, high) = (inverse_sum(at, &z[..i]), inverse_sum(at, &z[i + 1..]));
         c64::new(low.0 + high.0, low.1 + high.1)
     }
-}
+);
 
 #[inline(always)]
 fn inverse_sum(at: c64, others: &[c64]) -> (f64, f64) {
@@ -233,7 +204,7 @@ fn inverse_sum(at: c64, others: &[c64]) -> (f64, f64) {
             im[l] -= y * over;
         }
     }
-    let (mut sum_re, mut sum_im) = (wide::total(re), wide::total(im));
+    let (mut sum_re, mut sum_im) = (total(re), total(im));
     for z in rest {
         let (x, y) = (at.re - z.re, at.im - z.im);
         let over = 1.0 / (x * x + y * y);

@@ -20,10 +20,8 @@ use crate::parameters::{ParameterParts, core_parameters};
 /// Most dofs of which dense matrices tell the modes that sparse factors leave open.
 const MOST_DENSE_DOFS: usize = 8000;
 
-/// Antiresonances (m,) in Hz, whether H is identically zero, and whether their number is in doubt.
-type PyRoots<'py> = (Bound<'py, PyArray1<f64>>, bool, bool);
-/// The same with bounds (m,) of their errors, second.
-type PyBoundedRoots<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, bool, bool);
+/// Antiresonances (m,) in Hz, bounds of their errors, whether H is identically zero, and whether there is a doubt.
+type PyRoots<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, bool, bool);
 type PyModes<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
 
 /// A structural model of the core.
@@ -226,8 +224,10 @@ impl Model {
         .into_pyarray(py))
     }
 
-    /// For each response, or set of as many responses as forces: antiresonances (m,) in Hz, whether H is identically zero, and whether their number is
-    /// in doubt.
+    /// For each response, or set of as many responses as forces: antiresonances (m,) in Hz; bounds (m,) of their errors,
+    /// infinite for one that is not certain, if those are asked for; whether H is identically zero, and whether their
+    /// number is in doubt.
+    #[allow(clippy::too_many_arguments)]
     fn antiresonances<'py>(
         &self,
         py: Python<'py>,
@@ -236,34 +236,20 @@ impl Model {
         f_max_hz: f64,
         method: &str,
         include_cancelled: bool,
+        bounded: bool,
     ) -> PyResult<Vec<PyRoots<'py>>> {
         let query = query(f_max_hz, method, include_cancelled)?;
-        let found = run(py, || antiresonances(&self.core, &ends_of(&responses, &excitation)?, &query))?;
-        Ok(found.into_iter().map(|a| (a.freq_hz.into_pyarray(py), a.identically_zero, a.doubtful)).collect())
-    }
-
-    /// The same with a bound (m,) of the error of each, in Hz, infinite for one that is not certain.
-    fn bounded_antiresonances<'py>(
-        &self,
-        py: Python<'py>,
-        responses: Vec<Vec<usize>>,
-        excitation: Vec<usize>,
-        f_max_hz: f64,
-        method: &str,
-        include_cancelled: bool,
-    ) -> PyResult<Vec<PyBoundedRoots<'py>>> {
-        let query = query(f_max_hz, method, include_cancelled)?;
-        let found =
-            run(py, || bounded_antiresonances(&self.core, &ends_of(&responses, &excitation)?, &query))?;
-        let bounded = |a: Antiresonances| {
+        let find = if bounded { bounded_antiresonances } else { antiresonances };
+        let found = run(py, || {
+            let ends =
+                responses.iter().map(|dofs| Ends::new(dofs, &excitation)).collect::<Result<Vec<_>, _>>()?;
+            find(&self.core, &ends, &query)
+        })?;
+        let roots = |a: Antiresonances| {
             (a.freq_hz.into_pyarray(py), a.error_hz.into_pyarray(py), a.identically_zero, a.doubtful)
         };
-        Ok(found.into_iter().map(bounded).collect())
+        Ok(found.into_iter().map(roots).collect())
     }
-}
-
-fn ends_of(responses: &[Vec<usize>], excitation: &[usize]) -> Result<Vec<Ends>, Error> {
-    responses.iter().map(|dofs| Ends::new(dofs, excitation)).collect()
 }
 
 fn query(f_max_hz: f64, method: &str, include_cancelled: bool) -> PyResult<Query> {

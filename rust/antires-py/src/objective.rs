@@ -1,27 +1,26 @@
 //! The objectives of updating, evaluated and minimized in the core.
 
-use std::ops::ControlFlow;
-
 use antires_core::antiresonances::Ends;
 use antires_core::error::Error;
 use antires_core::modal::mac::Shape;
 use antires_core::modal::modes::hertz;
-use antires_core::optimize::{Candidates, Objective as _, ObjectiveEvaluator, evaluate_many};
+use antires_core::optimize::{Objective as CoreObjective, ObjectiveEvaluator};
 use antires_core::update::modal_objective::{MeasuredMode, ModalObjective};
 use antires_core::update::objective::{AntiresonanceObjective, Sees, Target};
 use antires_core::update::pairing::Partner;
 use antires_core::update::unknowns::{Misfit, Penalty};
 use numpy::ndarray::Array2;
-use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
-use pyo3::exceptions::PyKeyboardInterrupt;
+use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::doorway::{Watch, guarded, run, to_python};
+use crate::doorway::{guarded, run, to_python};
 use crate::model::Model;
 use crate::optimizer::{Search, outcome_to_python};
 use crate::parameters::{ParameterParts, core_parameters};
-use crate::states::{PyModalState, PyNullVectors, PyState, mode_states, null_vectors_to_python, root_states};
+use crate::states::{
+    PyModalState, PyNullVectors, PyState, evaluated, mode_states, null_vectors_to_python, root_states,
+};
 
 /// Frequencies (m,), dofs (k,) and shapes (m, k) of modes measured together.
 type ModeParts<'py> = (PyReadonlyArray1<'py, f64>, Vec<usize>, PyReadonlyArray2<'py, Complex64>);
@@ -79,14 +78,10 @@ impl Objective {
             let parameters = core_parameters(&model.core, parameters)?;
             let (misfit, penalty) = (misfit_of(misfit)?, penalty_of(penalty));
             let model = model.core.clone();
-            let made = AntiresonanceObjective::new(model, parameters, targets, misfit, penalty, snap)?;
-            match weights {
-                Some(weights) => made.with_weights(weights),
-                None => Ok(made),
-            }
+            AntiresonanceObjective::new(model, parameters, targets, misfit, penalty, snap)?
+                .with_weights(weights)
         })?;
-        let core = Core::Antiresonance(core);
-        Ok(Self { core })
+        Ok(Self { core: Core::Antiresonance(core) })
     }
 
     /// The same with modes, one tuple for those measured together, and weights one for each mode.
@@ -113,14 +108,10 @@ impl Objective {
             let parameters = core_parameters(&model.core, parameters)?;
             let (misfit, penalty) = (misfit_of(misfit)?, penalty_of(penalty));
             let model = model.core.clone();
-            let made = ModalObjective::new(model, parameters, measured, misfit, penalty, snap)?;
-            match weights {
-                Some(weights) => made.with_weights(weights.as_array().to_vec()),
-                None => Ok(made),
-            }
+            let weights = weights.map(|weights| weights.as_array().to_vec());
+            ModalObjective::new(model, parameters, measured, misfit, penalty, snap)?.with_weights(weights)
         })();
-        let core = Core::Modal(made.map_err(to_python)?);
-        Ok(Self { core })
+        Ok(Self { core: Core::Modal(made.map_err(to_python)?) })
     }
 
     /// J at x (n,).
@@ -153,7 +144,7 @@ impl Objective {
         let of = |what: fn(Partner) -> f64| -> Vec<f64> {
             pairs.iter().map(|p| p.map_or(f64::NAN, what)).collect()
         };
-        let shape = (pairs.len(), objective.unknowns().n_dof());
+        let shape = (pairs.len(), objective.unknowns.model.n_dof());
         let shapes = Array2::from_shape_fn(shape, |(m, dof)| pairs[m].map_or(f64::NAN, |p| ws.shape(p)[dof]));
         let (hz, mac) = (of(|p| hertz(p.lambda)), of(|p| p.mac));
         let mac_and_shapes = (mac.into_pyarray(py), shapes.into_pyarray(py));
@@ -198,12 +189,13 @@ impl Objective {
     ) -> PyResult<Option<PyLinearized<'py>>> {
         let x = x.as_array().to_vec();
         let found = run(py, || Ok::<_, Error>(with!(&self.core, o => o.linearize(&x, &mut o.workspace()))))?;
-        Ok(found.map(|at| {
-            let rows = at.residuals.len();
-            let slopes = Array2::from_shape_fn((rows, x.len()), |(m, p)| at.jacobian[m * x.len() + p]);
-            let slopes = slopes.into_pyarray(py);
-            (at.cost, at.residuals.into_pyarray(py), slopes)
-        }))
+        found
+            .map(|at| {
+                let shape = [at.residuals.len(), x.len()];
+                let slopes = at.jacobian.into_pyarray(py).reshape(shape)?;
+                Ok((at.cost, at.residuals.into_pyarray(py), slopes))
+            })
+            .transpose()
     }
 
     /// See [`root_states`].
@@ -231,12 +223,12 @@ impl Objective {
         to_hz: f64,
     ) -> PyResult<PyNullVectors<'py>> {
         let objective = self.of_antiresonances()?;
-        let (x, n) = (x.as_array().to_vec(), objective.unknowns().n_dof());
+        let (x, n) = (x.as_array().to_vec(), objective.unknowns.model.n_dof());
         let found = run(py, || {
             let band = from_hz..=to_hz;
             Ok::<_, Error>(objective.null_vectors(&x, &mut objective.workspace(), &band))
         })?;
-        Ok(null_vectors_to_python(py, found, n))
+        null_vectors_to_python(py, found, n)
     }
 
     /// See [`mode_states`].
@@ -263,17 +255,8 @@ impl Objective {
         candidates: PyReadonlyArray2<'_, f64>,
         threads: usize,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let genes: Vec<f64> = candidates.as_array().iter().copied().collect();
-        let n_genes = with!(&self.core, o => o.unknowns().len());
-        let mut watch = Watch::start(None);
-        let costs = guarded(py, || {
-            let rows = Candidates::new(&genes, n_genes);
-            with!(&self.core, o => evaluate_many(o, rows, threads, &mut || watch.poll())).map_err(to_python)
-        })?;
-        match costs {
-            ControlFlow::Continue(costs) => Ok(costs.into_pyarray(py)),
-            ControlFlow::Break(_) => Err(watch.raised.unwrap_or_else(|| PyKeyboardInterrupt::new_err(()))),
-        }
+        let cost = with!(&self.core, o => evaluated(py, o, &candidates, threads, CoreObjective::cost))?;
+        Ok(cost.into_pyarray(py))
     }
 
     /// Searches the box for the least J; a polish begins at `start`, else at the nominal values.

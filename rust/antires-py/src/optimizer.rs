@@ -4,10 +4,10 @@ use std::ops::ControlFlow;
 
 use antires_core::optimize::{
     Bounds, Candidates, Evaluator, Failure, Hooks, Interrupt, IslandOptions, IslandState, Keep, Outcome,
-    Progress, minimize as minimize_core,
+    Population, Progress, minimize as minimize_core,
 };
-use numpy::ndarray::{Array2, Array3};
-use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1};
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -208,19 +208,17 @@ pub fn outcome_to_python<'py>(py: Python<'py>, outcome: &Outcome) -> PyResult<Bo
     dict.set_item("success", outcome.status.success())?;
     dict.set_item("message", outcome.message())?;
     let history = &outcome.history;
-    let shape = (history.len(), history.n_islands());
-    let best = Array2::from_shape_fn(shape, |(g, i)| history.islands(g)[i]);
-    dict.set_item("history_cost", best.into_pyarray(py))?;
-    let evaluations: Vec<u64> = history.evaluations().iter().map(|&e| e as u64).collect();
-    dict.set_item("history_nfev", evaluations.into_pyarray(py))?;
-    let migrations: Vec<u64> = history.migrations().iter().map(|&g| g as u64).collect();
-    dict.set_item("history_migrations", migrations.into_pyarray(py))?;
+    let shape = [history.evaluations.len(), history.n_islands];
+    dict.set_item("history_cost", history.best_costs.clone().into_pyarray(py).reshape(shape)?)?;
+    let counts = |all: &[usize]| all.iter().map(|&n| n as u64).collect::<Vec<_>>().into_pyarray(py);
+    dict.set_item("history_nfev", counts(&history.evaluations))?;
+    dict.set_item("history_migrations", counts(&history.migrations))?;
     let islands = &outcome.islands;
-    let (size, n) = (islands[0].population.len(), outcome.x.len());
-    let genes = Array3::from_shape_fn((islands.len(), size, n), |(i, j, g)| islands[i].population.row(j)[g]);
-    dict.set_item("populations", genes.into_pyarray(py))?;
-    let costs = Array2::from_shape_fn((islands.len(), size), |(i, j)| islands[i].population.cost(j));
-    dict.set_item("population_costs", costs.into_pyarray(py))?;
+    let shape = [islands.len(), islands[0].population.size(), outcome.x.len()];
+    let all = |of: fn(&Population) -> &Vec<f64>| islands.iter().flat_map(move |i| of(&i.population)).copied();
+    let (genes, costs): (Vec<f64>, Vec<f64>) = (all(|p| &p.genes).collect(), all(|p| &p.costs).collect());
+    dict.set_item("populations", genes.into_pyarray(py).reshape(shape)?)?;
+    dict.set_item("population_costs", costs.into_pyarray(py).reshape([shape[0], shape[1]])?)?;
     let names: Vec<&str> = islands.iter().map(|i| i.crossover.name()).collect();
     dict.set_item("crossovers", names)?;
     Ok(dict)

@@ -7,39 +7,27 @@ use pyo3::types::PyDict;
 
 use crate::doorway::to_python;
 
-/// Sets the fields of [`IslandOptions`] that the dictionary names, and writes them all out again:
-/// the list of fields stands here once.
-macro_rules! option_fields {
-    ($options:expr, $dict:expr, $($field:ident),+ $(,)?) => {
-        $(if let Some(value) = $dict.get_item(stringify!($field))? {
-            $options.$field = value.extract()?;
-        })+
+/// Hands the plain fields of [`IslandOptions`] to another macro: their list stands here once.
+macro_rules! each_plain {
+    ($each:ident) => {
+        $each!(islands, population, crossover_probability, mutation_probability);
+        $each!(selection_pressure, patience, improvement_tolerance, gene_tolerance, cost_tolerance);
+        $each!(cost_floor, cost_migrations, polish, polish_interval, polish_evaluations);
+        $each!(max_evaluations, max_generations);
     };
 }
 
 /// The options that a dictionary names, with defaults for the others.
 pub fn read_options(dict: &Bound<'_, PyDict>) -> PyResult<IslandOptions> {
     let mut options = IslandOptions::default();
-    option_fields!(
-        options,
-        dict,
-        islands,
-        population,
-        crossover_probability,
-        mutation_probability,
-        selection_pressure,
-        patience,
-        improvement_tolerance,
-        gene_tolerance,
-        cost_tolerance,
-        cost_floor,
-        cost_migrations,
-        polish,
-        polish_interval,
-        polish_evaluations,
-        max_evaluations,
-        max_generations,
-    );
+    macro_rules! read {
+        ($($field:ident),+) => {
+            $(if let Some(value) = dict.get_item(stringify!($field))? {
+                options.$field = value.extract()?;
+            })+
+        };
+    }
+    each_plain!(read);
     if let Some(value) = dict.get_item("agreement")? {
         options.agreement = Agreement::from_name(&value.extract::<String>()?).map_err(to_python)?;
     }
@@ -67,12 +55,9 @@ pub fn read_options(dict: &Bound<'_, PyDict>) -> PyResult<IslandOptions> {
 fn write_options<'py>(py: Python<'py>, options: &IslandOptions) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     macro_rules! write {
-        ($($field:ident),+ $(,)?) => { $(dict.set_item(stringify!($field), options.$field)?;)+ };
+        ($($field:ident),+) => { $(dict.set_item(stringify!($field), options.$field)?;)+ };
     }
-    write!(islands, population, crossover_probability, mutation_probability);
-    write!(selection_pressure, patience, improvement_tolerance, gene_tolerance, cost_tolerance);
-    write!(cost_floor, cost_migrations, polish, polish_interval, polish_evaluations);
-    write!(max_evaluations, max_generations);
+    each_plain!(write);
     dict.set_item("agreement", options.agreement.name())?;
     let names: Vec<&str> = options.crossovers.iter().map(Crossover::name).collect();
     dict.set_item("crossovers", names)?;

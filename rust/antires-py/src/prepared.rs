@@ -1,6 +1,6 @@
 //! Damage from tables: the arrays of a plan and of a test, handed to the core.
 
-use antires_core::prepared::look::{Look, look};
+use antires_core::prepared::look::look;
 use antires_core::prepared::nearest::{refined, scanned, settled, variances};
 use antires_core::prepared::tables::{Error, Places, Tables, Test, Together};
 use numpy::{
@@ -82,19 +82,13 @@ prepared_tables! {
 #[pyclass(frozen, module = "antires_rs._core")]
 pub struct PreparedTest {
     tables: Py<PreparedTables>,
-    response: Vec<i64>,
-    log_f: Vec<f64>,
-    std: Vec<f64>,
-    set: Vec<i64>,
-    times: Vec<f64>,
-    band: (f64, f64),
-    common: f64,
-    extra: f64,
-    errors: Vec<Error>,
-    together: (f64, Vec<f64>, usize),
+    test: Test,
     outside: f64,
     variance: Vec<f64>,
 }
+
+/// Elements and their severities.
+type Set = (Vec<usize>, Vec<f64>);
 
 /// Log-likelihood, gain (k,), curvature (k, k), number of the error, partner, beside, residual, std, chi-square,
 /// shift.
@@ -116,28 +110,23 @@ type PyLook<'py> = (
 type PySettled = (Vec<f64>, Vec<f64>, Vec<f64>, Vec<f64>, f64, f64);
 
 impl PreparedTest {
-    fn test(&self) -> Test<'_> {
-        Test {
-            response: &self.response,
-            log_f: &self.log_f,
-            std: &self.std,
-            set: &self.set,
-            times: &self.times,
-            low: self.band.0,
-            high: self.band.1,
-            common: self.common,
-            extra: self.extra,
-            errors: &self.errors,
-            together: Together { alike: self.together.0, heat: &self.together.1, many: self.together.2 },
+    /// What `work` finds of each set, which `further` elements may join, detached from the interpreter.
+    fn each<T: Send>(
+        &self,
+        py: Python<'_>,
+        sets: &[Set],
+        further: &[usize],
+        work: impl Fn(&Tables<'_>, &Set) -> T + Sync,
+    ) -> PyResult<Vec<T>> {
+        let borrowed = self.tables.get().borrowed(py);
+        let t = borrowed.tables()?;
+        let known = |(elements, u): &Set| {
+            elements.len() == u.len() && elements.iter().chain(further).all(|&e| e < t.n + t.host.len())
+        };
+        if !sets.iter().all(known) {
+            return Err(internal("elements outside the tables"));
         }
-    }
-}
-
-fn known(t: &Tables<'_>, elements: &[usize], u: &[f64]) -> PyResult<()> {
-    if elements.len() == u.len() && elements.iter().all(|&e| e < t.n + t.host.len()) {
-        Ok(())
-    } else {
-        Err(internal("elements outside the tables"))
+        guarded(py, || Ok(sets.iter().map(|set| work(&t, set)).collect()))
     }
 }
 
@@ -160,44 +149,27 @@ impl PreparedTest {
         together: (f64, Vec<f64>, usize),
         outside: f64,
     ) -> PyResult<Self> {
-        let mut made = Self {
-            tables,
-            response,
-            log_f,
-            std,
-            set,
-            times,
-            band,
-            common,
-            extra,
-            errors,
-            together,
-            outside,
-            variance: Vec::new(),
-        };
-        if !made.test().consistent() {
+        let ((low, high), (alike, heat, many)) = (band, together);
+        let together = Together { alike, heat, many };
+        let test = Test { response, log_f, std, set, times, low, high, common, extra, errors, together };
+        if !test.consistent() {
             return Err(internal("values of different lengths"));
         }
-        let borrowed = made.tables.get().borrowed(py);
-        let variance = variances(&borrowed.tables()?, &made.test());
-        drop(borrowed);
-        made.variance = variance;
-        Ok(made)
+        let variance = variances(&tables.get().borrowed(py).tables()?, &test);
+        Ok(Self { tables, test, outside, variance })
     }
 
     /// The values as seen from severities of some elements, with slopes by all.
     fn look<'py>(&self, py: Python<'py>, elements: Vec<usize>, u: Vec<f64>) -> PyResult<PyLook<'py>> {
-        let borrowed = self.tables.get().borrowed(py);
-        let t = borrowed.tables()?;
-        known(&t, &elements, &u)?;
-        let at = Places::new(&t, &elements, &u);
-        let all: Vec<usize> = (0..t.n).collect();
-        let test = self.test();
-        let found: Look = guarded(py, || Ok(look(&t, &test, &at, &all)))?;
+        let mut looks = self.each(py, &[(elements, u)], &[], |t, (elements, u)| {
+            look(t, &self.test, &Places::new(t, elements, u), &(0..t.n).collect::<Vec<_>>())
+        })?;
+        let found = looks.remove(0);
+        let n = found.gain.len();
         Ok((
             found.log_likelihood,
             found.gain.into_pyarray(py),
-            found.curvature.into_pyarray(py).reshape([t.n, t.n])?,
+            found.curvature.into_pyarray(py).reshape([n, n])?,
             found.error,
             found.partner.into_pyarray(py),
             found.beside.into_pyarray(py),
@@ -217,57 +189,27 @@ impl PreparedTest {
         u: Vec<f64>,
         further: Vec<usize>,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
-        let borrowed = self.tables.get().borrowed(py);
-        let t = borrowed.tables()?;
-        known(&t, &elements, &u)?;
-        known(&t, &further, &vec![0.0; further.len()])?;
-        let test = self.test();
-        let left = guarded(py, || {
-            let at = Places::new(&t, &elements, &u);
-            Ok(scanned(&t, &test, &at, &further, &self.variance))
+        let mut scans = self.each(py, &[(elements, u)], &further, |t, (elements, u)| {
+            let at = Places::new(t, elements, u);
+            (scanned(t, &self.test, &at, &further, &self.variance), [further.len(), t.levels.len()])
         })?;
-        let shape = [further.len(), t.levels.len()];
+        let (left, shape) = scans.remove(0);
         Ok((left.distance.into_pyarray(py).reshape(shape)?, left.misfit.into_pyarray(py).reshape(shape)?))
     }
 
     /// Severities of sets after a few steps by the nearest roots, and what they leave.
-    fn refine(
-        &self,
-        py: Python<'_>,
-        sets: Vec<(Vec<usize>, Vec<f64>)>,
-        steps: usize,
-    ) -> PyResult<Vec<(Vec<f64>, f64)>> {
-        let borrowed = self.tables.get().borrowed(py);
-        let t = borrowed.tables()?;
-        sets.iter().try_for_each(|(e, u)| known(&t, e, u))?;
-        let test = self.test();
-        guarded(py, || {
-            let of = |(e, u): &(Vec<usize>, Vec<f64>)| {
-                refined(&t, &test, e, u, (steps, self.outside), &self.variance)
-            };
-            Ok(sets.iter().map(of).collect())
+    fn refine(&self, py: Python<'_>, sets: Vec<Set>, steps: usize) -> PyResult<Vec<(Vec<f64>, f64)>> {
+        self.each(py, &sets, &[], |t, (elements, u)| {
+            refined(t, &self.test, elements, u, (steps, self.outside), &self.variance)
         })
     }
 
     /// Sets at their most probable severities, by the likelihood.
-    fn settle(
-        &self,
-        py: Python<'_>,
-        sets: Vec<(Vec<usize>, Vec<f64>)>,
-        looks: usize,
-        rests: f64,
-    ) -> PyResult<Vec<PySettled>> {
-        let borrowed = self.tables.get().borrowed(py);
-        let t = borrowed.tables()?;
-        sets.iter().try_for_each(|(e, u)| known(&t, e, u))?;
-        let test = self.test();
-        guarded(py, || {
-            let of = |(e, u): &(Vec<usize>, Vec<f64>)| {
-                let found = settled(&t, &test, e, u, (looks, rests));
-                let seen = found.seen;
-                (found.u, seen.u, seen.mean, seen.covariance, seen.log, found.log_likelihood)
-            };
-            Ok(sets.iter().map(of).collect())
+    fn settle(&self, py: Python<'_>, sets: Vec<Set>, looks: usize, rests: f64) -> PyResult<Vec<PySettled>> {
+        self.each(py, &sets, &[], |t, (elements, u)| {
+            let found = settled(t, &self.test, elements, u, (looks, rests));
+            let seen = found.seen;
+            (found.u, seen.u, seen.mean, seen.covariance, seen.log, found.log_likelihood)
         })
     }
 }

@@ -1,9 +1,5 @@
 //! An interval of x = ω² without a pole inside: between neighbouring poles, beside one, or a part of these.
 //!
-//! # range
-//!
-//! Bounds of a value, and what they tell of its sign.
-//!
 //! # remainder
 //!
 //! The partial fractions of H without the poles at the ends of a cell, laid out for loops without branches.
@@ -76,7 +72,7 @@
 //! root there that survives rounding. (D_1 = Σ c = (M⁻¹)_ik and the next moments vanish when i and k
 //! are far apart in a lumped chain: the small sums are left out of the vote.)
 
-use crate::linalg::wide::{self, LANES, NullaryFnOnce, total};
+use crate::linalg::wide::{LANES, total, widest};
 use crate::modal::receptance::Receptance;
 
 /// A cell between or beside poles.
@@ -142,16 +138,6 @@ pub enum Sign {
     Negative,
     /// Above zero.
     Positive,
-}
-
-impl Sign {
-    /// −1 or 1.
-    pub fn unit(self) -> f64 {
-        match self {
-            Self::Negative => -1.0,
-            Self::Positive => 1.0,
-        }
-    }
 }
 
 /// Lower and upper bounds.
@@ -329,8 +315,10 @@ impl EndPoles {
 /// Bounds over a cell.
 #[derive(Debug, Clone, Copy)]
 pub struct Enclosure {
-    value: Range,
-    noise: f64,
+    /// Bounds of f.
+    pub value: Range,
+    /// Rounding error of f in the cell.
+    pub noise: f64,
     slope: Range,
     curvature: Range,
     ends: EndPoles,
@@ -341,7 +329,7 @@ impl Enclosure {
     /// ends. Few terms do between poles; more are needed where f is small against its partial fractions.
     pub fn of<const ORDER: usize>(h: &Receptance, rest: &Remainder, cell: Cell) -> Self {
         let (middle, radius) = (0.5 * (cell.a + cell.b), 0.5 * (cell.b - cell.a));
-        let (series, tails) = wide::run(Series::<ORDER> { rest, cell, middle, radius });
+        let (series, tails) = series([[0.0; LANES]; ORDER], rest, cell, middle, radius);
         let a = series.map(total);
         let [t0, t1, t2, reciprocals] = tails.map(total);
         let tail = [t0, t1, t2];
@@ -371,16 +359,6 @@ impl Enclosure {
         }
     }
 
-    /// Bounds of f.
-    pub fn value(&self) -> Range {
-        self.value
-    }
-
-    /// Rounding error of f in the cell.
-    pub fn noise(&self) -> f64 {
-        self.noise
-    }
-
     /// Bounds of f'.
     pub fn slope(&self) -> Range {
         let mut range = self.slope;
@@ -396,22 +374,17 @@ impl Enclosure {
     }
 }
 
-/// Coefficients a_j of the series about the middle of a cell, and of the rest of f, f', f''/2 and of the
-/// reciprocals, lane by lane.
-struct Series<'a, const ORDER: usize> {
-    rest: &'a Remainder,
-    cell: Cell,
-    middle: f64,
-    radius: f64,
-}
-
-impl<const ORDER: usize> NullaryFnOnce for Series<'_, ORDER> {
-    type Output = ([Lanes; ORDER], [Lanes; 4]);
-
-    #[inline(always)]
-    fn call(self) -> Self::Output {
-        let Self { rest, cell, middle, radius } = self;
-        let mut series = [[0.0; LANES]; ORDER];
+widest!(
+    /// Coefficients a_j of the series about the middle of a cell, added to `series`, and of the rest of f, f', f''/2 and
+    /// of the reciprocals, lane by lane.
+    fn series<const ORDER: usize>(
+        series: [Lanes; ORDER],
+        rest: &Remainder,
+        cell: Cell,
+        middle: f64,
+        radius: f64,
+    ) -> ([Lanes; ORDER], [Lanes; 4]) {
+        let mut series = series;
         let mut tails = [[0.0; LANES]; 4];
         let p = ORDER as f64;
         for (poles, residues) in rest.lanes() {
@@ -442,7 +415,7 @@ impl<const ORDER: usize> NullaryFnOnce for Series<'_, ORDER> {
         }
         (series, tails)
     }
-}
+);
 
 // ---- screening
 
@@ -455,7 +428,8 @@ pub struct Screening {
     poles: Vec<f64>,
     low: f64,
     ceiling: f64,
-    cells: Vec<Cell>,
+    /// Ascending.
+    pub cells: Vec<Cell>,
     /// Σ 1 / |λ − x| at most, a cell each.
     reach: Vec<f64>,
     /// (s + t)/2, |s − t|/2, (s² + t²)/2, |s² − t²|/2 and 1 / (λ − middle), lane by lane, cell by cell.
@@ -534,16 +508,6 @@ impl Screening {
             }
             self.reach.push(total(reach));
         }
-    }
-
-    /// Number of cells.
-    pub fn n_cells(&self) -> usize {
-        self.cells.len()
-    }
-
-    /// A cell.
-    pub fn cell(&self, index: usize) -> Cell {
-        self.cells[index]
     }
 
     /// Value of g in the middle of a cell.
@@ -664,10 +628,10 @@ mod tests {
                 let (f, slope) = (h.value(x), h.slope(x));
                 let bend: f64 = h.poles.iter().zip(&h.residues).map(|(l, c)| c / (l - x).powi(3)).sum();
                 for (range, v) in [
-                    (bounds.value(), f),
+                    (bounds.value, f),
                     (bounds.slope(), slope),
                     (bounds.curvature(), bend),
-                    (fine.value(), f),
+                    (fine.value, f),
                     (fine.slope(), slope),
                     (fine.curvature(), bend),
                 ] {
@@ -679,7 +643,7 @@ mod tests {
         let width = |r: Range| r.high - r.low;
         let at = |half: f64| {
             let cell = Cell { a: 1.3 - half, b: 1.3 + half, below: 1, pole_a: false, pole_b: false };
-            width(Enclosure::of::<5>(&h, &rest, cell).value())
+            width(Enclosure::of::<5>(&h, &rest, cell).value)
         };
         assert!(at(0.005) < 0.2 * at(0.05));
     }
@@ -705,9 +669,9 @@ mod tests {
             let h = signed(&residues);
             screening.prepare(&h, 0.0, 30.0);
             all.set(&h);
-            assert_eq!(screening.n_cells(), 6);
+            assert_eq!(screening.cells.len(), 6);
             for index in 0..6 {
-                let cell = screening.cell(index);
+                let cell = screening.cells[index];
                 let inside = |j: i32| cell.a + (cell.b - cell.a) * f64::from(j) / 400.0;
                 let slopes = (1..400).map(|j| h.slope(inside(j)) > 0.0);
                 let signs = (1..400).map(|j| h.value(inside(j)) > 0.0);

@@ -30,7 +30,7 @@ pub(super) fn add_roots(
     ceiling: f64,
     mut take: impl FnMut(Placed),
 ) -> Certainty {
-    let massless = solved.dense_in_hand().is_some_and(|all| all.eigenvalues().len() < solved.n_dof());
+    let massless = solved.dense_in_hand().is_some_and(|all| all.eigenvalues.len() < solved.n_dof());
     let last = h.poles.last().copied().unwrap_or_default();
     if !massless || h.constant != 0.0 || h.is_zero || last <= 0.0 {
         return Certainty::Proven;

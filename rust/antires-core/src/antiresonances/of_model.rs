@@ -1,17 +1,7 @@
 //! The antiresonances of a model, each with a bound of its error if that is asked for.
 //!
-//! Dofs whose units are far apart are brought to one first ([`Balance`]), which moves no root.
-//!
-//! # bounded
-//!
-//! The roots of one response, each with a bound of its error.
-//!
-//! Models of up to [`MOST_CHECKED`] dofs are solved on both routes, and what one of them finds alone counts if the
+//! Dofs whose units are far apart are brought to one first ([`Balance`]), which moves no root. Models of up to [`MOST_CHECKED`] dofs are solved on both routes, and what one of them finds alone counts if the
 //! matrices confirm it ([`RootBounds`]).
-//!
-//! # candidates
-//!
-//! Roots of the deleted pencil that the matrices have yet to confirm, and how they join those that are known.
 
 use std::sync::Arc;
 

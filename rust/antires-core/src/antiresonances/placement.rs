@@ -33,7 +33,7 @@
 use faer::prelude::Solve;
 use faer::{Col, Mat};
 
-use crate::linalg::pencil::ROOT_UNCERTAINTY;
+use crate::linalg::pencil::{ROOT_UNCERTAINTY, unit};
 use crate::linalg::sparse::SparseMatrix;
 use crate::modal::minor::Ends;
 use crate::modal::reduced::ReducedModes;
@@ -45,7 +45,7 @@ pub(super) fn place(solved: &mut Solved<'_>, ends: &Ends, x: f64, reach: f64) ->
     if by_factors.is_some() || !solved.may_be_dense() {
         return by_factors;
     }
-    by_quotients((solved.stiffness(), solved.mass()), ends, x, reach)
+    by_quotients((solved.stiffness, solved.mass), ends, x, reach)
 }
 
 // ---- newton
@@ -169,11 +169,6 @@ pub(super) fn by_quotients(
         }
         Some(Step { length: force / slope, ulp: f64::EPSILON * moved.sqrt() / slope.abs() })
     })
-}
-
-fn unit(v: Col<f64>) -> Col<f64> {
-    let size = v.norm_l2();
-    v * faer::Scale(size.recip())
 }
 
 #[cfg(test)]

@@ -6,10 +6,6 @@
 //! below, such as a stiff frame on soft springs, keeps few digits of its λ and of its shape, and a root of H_ik
 //! beside it may drown. A search in doubt is therefore divided: below a fifth of the modes the series of
 //! [`ReducedModes`](crate::modal::reduced::ReducedModes) takes over, whose shift suits them.
-//!
-//! # found
-//!
-//! What is known of the roots of one response while they are searched for.
 
 use super::far;
 use super::placement::{Placed, place};
@@ -53,39 +49,24 @@ enum Series {
 /// Working memory of the searches.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Memory {
-    receptance: Receptance,
+    /// The response last searched.
+    pub receptance: Receptance,
     series: MinorSeries,
     scratch: Scratch,
-    found: Found,
-}
-
-impl Memory {
-    /// Whether the response last searched is identically zero at working precision.
-    pub fn is_zero(&self) -> bool {
-        self.receptance.is_zero
-    }
-
     /// The roots last found.
-    pub fn found(&mut self) -> &mut Found {
-        &mut self.found
-    }
+    pub found: Found,
 }
 
 /// The search for the roots of H_ik, or of a minor.
 pub(super) struct Search<'a, 'm> {
     /// Whether the poles of all parts of the structure are wanted: on those of others, roots cancel.
-    whole: bool,
-    solved: &'a mut Solved<'m>,
-    ends: Ends,
-    memory: &'a mut Memory,
+    pub whole: bool,
+    pub solved: &'a mut Solved<'m>,
+    pub ends: Ends,
+    pub memory: &'a mut Memory,
 }
 
-impl<'a, 'm> Search<'a, 'm> {
-    /// The search for the roots between `ends`, responses and forces.
-    pub fn new(solved: &'a mut Solved<'m>, ends: Ends, whole: bool, memory: &'a mut Memory) -> Self {
-        Self { whole, solved, ends, memory }
-    }
-
+impl Search<'_, '_> {
     /// Finds the roots up to `ceiling`.
     pub fn run(&mut self, ceiling: f64) -> Result<Certainty> {
         let Some((i, k)) = self.ends.pair() else {
@@ -102,14 +83,14 @@ impl<'a, 'm> Search<'a, 'm> {
         let degree = self.solved.degree(i, k);
         let solver = self.solved.dense()?;
         self.memory.receptance.form(solver, i, k);
-        self.memory.receptance.bound_roots(degree);
-        self.memory.found.begin(solver.zero());
+        self.memory.receptance.most_roots = degree;
+        self.memory.found.begin(solver.zero);
         match self.isolate((0.0, ceiling), Series::Dense) {
             Certainty::Proven => {
                 let Memory { receptance, found, .. } = &mut *self.memory;
                 Ok(far::add_roots(self.solved, &self.ends, receptance, ceiling, |root| {
                     if !found.has(root) {
-                        found.prove(root.x);
+                        found.proven.push(root.x);
                     }
                 }))
             }
@@ -123,14 +104,14 @@ impl<'a, 'm> Search<'a, 'm> {
         for &x in h.cancelled.iter().filter(|&&x| low < x && x <= high) {
             let presence =
                 if h.is_zero || secular::is_hollow(h, x) { Presence::Open } else { Presence::Sure };
-            found.cancel(x, presence);
+            found.cancelled.push((x, presence));
         }
         if h.is_zero {
             return Certainty::Proven;
         }
         let mut roots = Vec::new();
         let mut certainty = secular::roots(h, low, high, &mut roots, scratch);
-        let (floor, first) = (found.floor(), found.mark());
+        let (floor, first) = (found.floor, found.mark());
         let mut last_placed = 0.0;
         for x in roots.into_iter().filter(|&x| x > floor) {
             let (noise, slope) = h.noise_and_slope(x);
@@ -152,7 +133,7 @@ impl<'a, 'm> Search<'a, 'm> {
                 if placed_twice(better, last_placed) {
                     certainty = Certainty::Doubtful;
                 } else {
-                    found.prove(better.x);
+                    found.proven.push(better.x);
                     last_placed = better.x;
                 }
                 continue;
@@ -163,13 +144,13 @@ impl<'a, 'm> Search<'a, 'm> {
             };
             // NaN counts as doubtful.
             if known <= DOUBTFUL_ROOT * x {
-                found.prove(x);
+                found.proven.push(x);
             } else {
-                found.leave_open(x);
+                found.open.push(x);
                 certainty = Certainty::Doubtful;
             }
         }
-        found.sort_since(first);
+        found.proven[first.proven..].sort_by(f64::total_cmp);
         certainty
     }
 
@@ -186,13 +167,13 @@ impl<'a, 'm> Search<'a, 'm> {
         } else {
             let solver = self.solved.dense()?;
             series.of_all_modes(solver, &ends);
-            found.begin(solver.zero());
+            found.begin(solver.zero);
         }
         series.form(h);
-        let floor = found.floor();
+        let floor = found.floor;
         let inside = |x: f64| floor < x && x <= ceiling;
         for &x in h.cancelled.iter().filter(|&&x| inside(x)) {
-            found.cancel(x, if h.is_zero { Presence::Open } else { Presence::Sure });
+            found.cancelled.push((x, if h.is_zero { Presence::Open } else { Presence::Sure }));
         }
         if h.is_zero {
             return Ok(Certainty::Proven);
@@ -201,21 +182,21 @@ impl<'a, 'm> Search<'a, 'm> {
         let mut certainty = secular::roots(h, 0.0, ceiling, &mut isolated, scratch);
         // Far beyond the last pole the minor is small against what spreading changes: the pencil has to tell.
         let far = h.poles.last().is_some_and(|last| ceiling > secular::FAR_RATIO * last);
-        if series.is_open() || far && !series.groups().is_empty() {
+        if series.is_open || far && !series.groups.is_empty() {
             certainty = Certainty::Doubtful;
         }
-        for group in series.groups().iter().filter(|group| inside(group.lambda())) {
-            (0..group.cancelled).for_each(|_| found.cancel(group.lambda(), Presence::Sure));
+        for group in series.groups.iter().filter(|group| inside(group.lambda)) {
+            (0..group.cancelled).for_each(|_| found.cancelled.push((group.lambda, Presence::Sure)));
             let among = isolated.iter().filter(|&&x| group.holds(x)).count();
             if among != group.cancelled && among != 0 {
                 certainty = Certainty::Doubtful;
             }
         }
-        isolated.retain(|&x| inside(x) && !series.groups().iter().any(|group| group.holds(x)));
+        isolated.retain(|&x| inside(x) && !series.groups.iter().any(|group| group.holds(x)));
         let mut last = 0.0;
         for x in isolated {
             let Some(refined) = series.refined(x).filter(|root| root.x - last > FOUND_TWICE * x) else {
-                found.leave_open(x);
+                found.open.push(x);
                 certainty = Certainty::Doubtful;
                 continue;
             };
@@ -234,10 +215,10 @@ impl<'a, 'm> Search<'a, 'm> {
                     .map(|better| better.x)
             };
             if let Some(known) = known {
-                found.prove(known);
+                found.proven.push(known);
                 last = known;
             } else {
-                found.leave_open(refined.x);
+                found.open.push(refined.x);
                 certainty = Certainty::Doubtful;
             }
         }
@@ -250,7 +231,7 @@ impl<'a, 'm> Search<'a, 'm> {
             return Certainty::Doubtful;
         };
         let modes = self.solved.dense_in_hand();
-        let Some(gap) = modes.and_then(|all| widest_gap(all.eigenvalues(), all.zero())) else {
+        let Some(gap) = modes.and_then(|all| widest_gap(&all.eigenvalues, all.zero)) else {
             return Certainty::Doubtful;
         };
         let limit = gap.min(ceiling);
@@ -275,7 +256,7 @@ impl<'a, 'm> Search<'a, 'm> {
         let split = self.memory.found.mark();
         let above = self.isolate(((1.0 - OVERLAP) * limit, ceiling), Series::Dense);
         self.memory.found.drop_twice(split, limit);
-        below.and(above)
+        if below == Certainty::Proven { above } else { below }
     }
 }
 
@@ -314,13 +295,13 @@ pub(super) enum Presence {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Found {
     /// Isolated by a change of sign, and placed.
-    proven: Vec<f64>,
+    pub proven: Vec<f64>,
     /// Those that rounding may have made.
     open: Vec<f64>,
     /// Poles on which a root lies that cancels.
     cancelled: Vec<(f64, Presence)>,
     /// Roots below this are zero at working precision.
-    floor: f64,
+    pub floor: f64,
 }
 
 /// How many roots there were at some time.
@@ -332,40 +313,19 @@ pub(super) struct Mark {
 
 impl Found {
     /// Forgets all roots; those below `floor` are zero from now on.
-    pub fn begin(&mut self, floor: f64) {
+    fn begin(&mut self, floor: f64) {
         self.proven.clear();
         self.open.clear();
         self.cancelled.clear();
         self.floor = floor;
     }
 
-    pub fn floor(&self) -> f64 {
-        self.floor
-    }
-
-    pub fn prove(&mut self, x: f64) {
-        self.proven.push(x);
-    }
-
-    pub fn leave_open(&mut self, x: f64) {
-        self.open.push(x);
-    }
-
-    pub fn cancel(&mut self, x: f64, presence: Presence) {
-        self.cancelled.push((x, presence));
-    }
-
-    pub fn mark(&self) -> Mark {
+    fn mark(&self) -> Mark {
         Mark { proven: self.proven.len(), cancelled: self.cancelled.len() }
     }
 
-    /// Sorts the roots proven since.
-    pub fn sort_since(&mut self, mark: Mark) {
-        self.proven[mark.proven..].sort_by(f64::total_cmp);
-    }
-
     /// Drops what was found since, above `limit` but for an overlap, and was known before.
-    pub fn drop_twice(&mut self, since: Mark, limit: f64) {
+    fn drop_twice(&mut self, since: Mark, limit: f64) {
         let (lower, upper) = self.proven.split_at(since.proven);
         let again = |x: &f64| {
             let twice = |y: &f64| (x - y).abs() <= ONE_ROOT * y;

@@ -33,7 +33,7 @@
 //! Reference: Melman, Numer. Math. 69 (1995) 483-493 (transformed secular equations).
 
 use super::bounds::{Cell, Enclosure, Jet, Remainder, Screening, Sign, Verdict, is_rootless};
-use crate::linalg::wide::{self, NullaryFnOnce};
+use crate::linalg::wide::widest;
 use crate::modal::receptance::{Pattern, Receptance};
 
 /// Upper end of an unbounded search, relative to the last pole.
@@ -68,13 +68,6 @@ pub enum Certainty {
     Proven,
     /// Rounding leaves a doubt.
     Doubtful,
-}
-
-impl Certainty {
-    /// Proven where both are.
-    pub fn and(self, other: Self) -> Self {
-        if self == Self::Proven { other } else { Self::Doubtful }
-    }
 }
 
 /// Where a cell lies.
@@ -113,8 +106,7 @@ pub fn roots(h: &Receptance, low: f64, high: f64, roots: &mut Vec<f64>, scratch:
     screening.prepare(h, low, ceiling);
     let mut search = Secular { h, rest, roots, budget: MOST_CELLS, certainty: Certainty::Proven };
     let pattern = h.pattern();
-    for index in 0..screening.n_cells() {
-        let cell = screening.cell(index);
+    for (index, &cell) in screening.cells.iter().enumerate() {
         let place = if !cell.pole_b && last < ceiling { Place::BeyondLastPole } else { Place::BetweenPoles };
         let verdict = match pattern {
             Pattern::OneSign if place == Place::BetweenPoles => Verdict::Monotone,
@@ -160,10 +152,10 @@ impl Secular<'_> {
             Place::BetweenPoles => Enclosure::of::<NEAR_ORDER>(self.h, self.rest, cell),
         };
         self.rest.take_back(self.h, cell);
-        if bounds.value().sign(bounds.noise()).is_some() {
+        if bounds.value.sign(bounds.noise).is_some() {
             return;
         }
-        let drowned = bounds.value().is_drowned(bounds.noise());
+        let drowned = bounds.value.is_drowned(bounds.noise);
         if drowned && place == Place::BeyondLastPole {
             if cell.a < FAR_RATIO * self.h.poles[self.h.poles.len() - 1] {
                 self.certainty = Certainty::Doubtful;
@@ -175,9 +167,9 @@ impl Secular<'_> {
             self.certainty = Certainty::Doubtful;
         }
         if guessed || bounds.slope().sign(0.0).is_some() {
-            self.solve(cell);
+            self.monotone(cell, None);
         } else if let Some(bend) = bounds.curvature().sign(0.0) {
-            self.curved(cell, bend, bounds.noise());
+            self.curved(cell, bend, bounds.noise);
         } else {
             let middle = cell.middle();
             self.cell(cell.left_of(middle), place);
@@ -197,24 +189,19 @@ impl Secular<'_> {
         }
     }
 
-    /// The one root of a cell whose end signs differ.
-    fn solve(&mut self, cell: Cell) {
-        self.monotone(cell, None);
-    }
-
     /// A cell with f'' of the sign `bend`, convex or concave: none, one or two roots.
     fn curved(&mut self, cell: Cell, bend: Sign, noise: f64) {
         let h = self.h;
         let (at_a, at_b) = (sign(h, cell, End::Left), sign(h, cell, End::Right));
         if at_a != at_b {
-            self.solve(cell);
+            self.monotone(cell, None);
             return;
         }
         // A convex function that is negative at both ends stays negative; mirrored for a concave one.
         if at_a != bend {
             return;
         }
-        let upward = bend.unit();
+        let upward = if bend == Sign::Positive { 1.0 } else { -1.0 };
         let mut shrinking = cell;
         while !shrinking.is_narrow() {
             let middle = shrinking.middle();
@@ -224,8 +211,8 @@ impl Secular<'_> {
                 self.certainty = Certainty::Doubtful;
             }
             if value < 0.0 {
-                self.solve(cell.left_of(middle));
-                self.solve(cell.right_of(middle));
+                self.monotone(cell.left_of(middle), None);
+                self.monotone(cell.right_of(middle), None);
                 return;
             }
             // The tangent lies under the curve: if it stays positive on the falling side, so does f.
@@ -324,28 +311,18 @@ impl Smooth<'_> {
     }
 }
 
-/// Root of `h` in `cell`, with `rest` the part of the other poles; f has the sign `left` at the left end
-/// and the other one at the right end. `at_middle` is the value of `rest` there, if
-/// known.
-pub fn root_in_cell(h: &Receptance, rest: &Remainder, cell: Cell, left: Sign, at_middle: Option<f64>) -> f64 {
-    let smooth = Smooth { rest, cell, ends: cell.end_residues(h) };
-    wide::run(Search { smooth, left, at_middle })
-}
-
-/// [`root_in_cell`].
-struct Search<'a> {
-    smooth: Smooth<'a>,
-    left: Sign,
-    at_middle: Option<f64>,
-}
-
-impl NullaryFnOnce for Search<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn call(self) -> f64 {
-        let Self { smooth, left, at_middle } = self;
-        let cell = smooth.cell;
+widest!(
+    /// Root of `h` in `cell`, with `rest` the part of the other poles; f has the sign `left` at the left end
+    /// and the other one at the right end. `at_middle` is the value of `rest` there, if
+    /// known.
+    pub fn root_in_cell(
+        h: &Receptance,
+        rest: &Remainder,
+        cell: Cell,
+        left: Sign,
+        at_middle: Option<f64>,
+    ) -> f64 {
+        let smooth = Smooth { rest, cell, ends: cell.end_residues(h) };
         let (mut low, mut high) = (cell.a, cell.b);
         let mut x = smooth.start(at_middle);
         let mut last_step = f64::INFINITY;
@@ -378,7 +355,7 @@ impl NullaryFnOnce for Search<'_> {
         }
         x
     }
-}
+);
 
 #[cfg(test)]
 mod tests {

@@ -27,17 +27,19 @@
 use super::solver::Prepared;
 use crate::error::Result;
 use crate::fem::assembly::MatrixSlopes;
-use crate::linalg::wide::{self, NullaryFnOnce};
+use crate::linalg::wide::widest;
 use crate::modal::minor::Ends;
 
 /// The null vectors of one zero, ready to be joined with any change of the model.
 #[derive(Debug, Clone, Default)]
 pub struct ZeroSensitivity {
     x: f64,
-    left: Vec<f64>,
-    right: Vec<f64>,
-    /// dH_ik/dx, with the factors of the two columns.
-    slope: f64,
+    /// Left null vector.
+    pub left: Vec<f64>,
+    /// Right null vector.
+    pub right: Vec<f64>,
+    /// dH_ik/dx, with the factors of the two vectors.
+    pub slope: f64,
 }
 
 impl ZeroSensitivity {
@@ -53,21 +55,6 @@ impl ZeroSensitivity {
         self.x = x;
         self.slope = prepared.vectors_on_pole(ends, x, &mut self.left, &mut self.right)?;
         Ok(())
-    }
-
-    /// Left and right null vector.
-    pub fn vectors(&self) -> (&[f64], &[f64]) {
-        (&self.left, &self.right)
-    }
-
-    /// The zero.
-    pub(super) fn x(&self) -> f64 {
-        self.x
-    }
-
-    /// dH_ik/dx, with the factors of the two vectors.
-    pub fn slope(&self) -> f64 {
-        self.slope
     }
 
     /// dx/dp in (rad/s)² per unit of p; not finite at a double zero, which has no derivative.
@@ -104,16 +91,15 @@ impl<T> Default for ZeroBatch<T> {
 impl<T> ZeroBatch<T> {
     /// Adds a zero, which must not find the batch full.
     pub fn push(&mut self, zero: &ZeroSensitivity, owner: T) {
-        let (left, right) = zero.vectors();
         let at = self.owners.len();
-        for (all, own) in [(&mut self.left, left), (&mut self.right, right)] {
+        for (all, own) in [(&mut self.left, &zero.left), (&mut self.right, &zero.right)] {
             all.resize(own.len() * WIDTH, 0.0);
             for (row, &value) in all.chunks_exact_mut(WIDTH).zip(own) {
                 row[at] = value;
             }
         }
-        self.x.push(zero.x());
-        self.slope.push(zero.slope());
+        self.x.push(zero.x);
+        self.slope.push(zero.slope);
         self.owners.push(owner);
     }
 
@@ -134,7 +120,7 @@ impl<T> ZeroBatch<T> {
         if self.owners.is_empty() {
             return;
         }
-        let join = |entries| wide::run(Join { entries, left: &self.left, right: &self.right });
+        let join = |entries| join(entries, &self.left, &self.right);
         let (stiffness, mass) = (join(&slopes.stiffness), join(&slopes.mass));
         for (nth, owner) in self.owners.iter().enumerate() {
             let change = stiffness[nth] - self.x[nth] * mass[nth];
@@ -143,23 +129,14 @@ impl<T> ZeroBatch<T> {
     }
 }
 
-/// Σ left · value · right of each zero.
-struct Join<'a> {
-    entries: &'a [(u32, u32, f64)],
-    left: &'a [f64],
-    right: &'a [f64],
-}
-
-impl NullaryFnOnce for Join<'_> {
-    type Output = [f64; WIDTH];
-
-    #[inline(always)]
-    fn call(self) -> [f64; WIDTH] {
-        let (left, _) = self.left.as_chunks::<WIDTH>();
-        let (right, _) = self.right.as_chunks::<WIDTH>();
+widest!(
+    /// Σ left · value · right of each zero.
+    fn join(entries: &[(u32, u32, f64)], left: &[f64], right: &[f64]) -> [f64; WIDTH] {
+        let (left, _) = left.as_chunks::<WIDTH>();
+        let (right, _) = right.as_chunks::<WIDTH>();
         // What an empty iterator sums to.
         let mut sums = [-0.0; WIDTH];
-        for &(row, column, value) in self.entries {
+        for &(row, column, value) in entries {
             let (l, r) = (&left[row as usize], &right[column as usize]);
             for z in 0..WIDTH {
                 sums[z] += l[z] * value * r[z];
@@ -167,7 +144,7 @@ impl NullaryFnOnce for Join<'_> {
         }
         sums
     }
-}
+);
 
 #[cfg(test)]
 mod tests {

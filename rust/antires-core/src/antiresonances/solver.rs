@@ -6,10 +6,6 @@
 //! prepared.columns(&ends, x, ...)                sensitivities of the roots
 //! ```
 //!
-//! # query
-//!
-//! What is asked for, and what comes back.
-//!
 //! # pencil_route
 //!
 //! The roots of the deleted pencil, joined with those that the modal series proves.
@@ -81,10 +77,10 @@ impl Prepared<'_> {
         if certainty == Certainty::Doubtful && !for_pencil && self.solved.may_be_dense() {
             certainty = self.search(ends, true, ceiling)?;
         }
-        if query.route == Route::Modal && self.memory.is_zero() {
+        if query.route == Route::Modal && self.memory.receptance.is_zero {
             return Ok(Transfer::IdenticallyZero);
         }
-        let found = self.memory.found();
+        let found = &mut self.memory.found;
         found.drop_cancelled_zeros();
         self.doubtful = certainty == Certainty::Doubtful && !self.solved.may_be_dense();
         if self.doubtful {
@@ -107,7 +103,7 @@ impl Prepared<'_> {
     }
 
     fn search(&mut self, ends: &Ends, whole: bool, ceiling: f64) -> Result<Certainty> {
-        Search::new(&mut self.solved, *ends, whole, self.memory).run(ceiling)
+        Search { whole, solved: &mut self.solved, ends: *ends, memory: self.memory }.run(ceiling)
     }
 
     /// Whether rounding leaves a doubt about the number of roots last found: of structures too large for the
@@ -130,12 +126,12 @@ impl Prepared<'_> {
 
     /// Those of the response last found that cancel against a pole (Hz), appended to `freq_hz`.
     pub fn cancelled(&mut self, freq_hz: &mut Vec<f64>) {
-        freq_hz.extend(self.memory.found().cancelled().map(hertz));
+        freq_hz.extend(self.memory.found.cancelled().map(hertz));
     }
 
     /// Eigenvalues of the whole structure, ascending.
     pub fn eigenvalues(&mut self) -> Result<&[f64]> {
-        Ok(self.solved.dense()?.eigenvalues())
+        Ok(&self.solved.dense()?.eigenvalues)
     }
 
     /// Null vectors of the deleted pencil at a root `x` that cancels against a pole, into `left` and `right`;
@@ -252,24 +248,24 @@ const SAME_ROOT: f64 = 1e-6;
 
 /// Adds the roots of the pencil up to `ceiling` to those found.
 pub(super) fn join(solved: &mut Solved<'_>, ends: &Ends, ceiling: f64, found: &mut Found) -> Result<()> {
-    let range = (found.floor(), ceiling);
-    let mut pencil = pencil_roots((solved.stiffness(), solved.mass()), ends, range)?;
+    let range = (found.floor, ceiling);
+    let mut pencil = pencil_roots((solved.stiffness, solved.mass), ends, range)?;
     found.claim(|x| take_nearest(&mut pencil, x).map(|root| root.x));
     for root in pencil {
         if root.certain && (root.repeated || root.uncertainty <= DOUBTFUL_ROOT) {
-            found.prove(root.x);
+            found.proven.push(root.x);
             continue;
         }
         let reach = REACH * root.uncertainty * root.x;
         match place(solved, ends, root.x, reach) {
             Some(placed) => {
                 if !found.has(placed) && placed.x <= ceiling {
-                    found.prove(placed.x);
+                    found.proven.push(placed.x);
                 }
             }
             None => match root.backward_error {
                 Some(error) => return Err(refused(root.x, error)),
-                None if root.certain => found.prove(root.x),
+                None if root.certain => found.proven.push(root.x),
                 None => {}
             },
         }

@@ -100,16 +100,6 @@ impl Assembly {
             }
         }
     }
-
-    /// Factors s_i of the stiffness terms at the last [`form`](Self::form).
-    pub fn stiffness_factors(&self) -> &[f64] {
-        &self.stiffness_factors
-    }
-
-    /// Factors s_i of the mass terms at the last [`form`](Self::form).
-    pub fn mass_factors(&self) -> &[f64] {
-        &self.mass_factors
-    }
 }
 
 impl Model {
@@ -130,8 +120,8 @@ impl Model {
                 .collect()
         };
         let (stiffness_terms, mass_terms) = (
-            scaled(self.stiffness_terms(), assembly.stiffness_factors()),
-            scaled(self.mass_terms(), assembly.mass_factors()),
+            scaled(self.stiffness_terms(), &assembly.stiffness_factors),
+            scaled(self.mass_terms(), &assembly.mass_factors),
         );
         Self::checked(assembly.stiffness, assembly.mass, stiffness_terms, mass_terms)
     }

@@ -8,7 +8,7 @@
 //! where all are at their softest and lightest has the smallest eigenvalues of the box, as long as the
 //! terms are positive semi-definite themselves: if K and M are semi-definite there, they are everywhere.
 
-use super::frame::elements::Dimension;
+use super::frame::elements::{Dimension, check_node};
 use super::frame::{Frame, Property};
 use super::model::Model;
 use super::parameters::{Parameter, Quantity, Scale};
@@ -30,29 +30,28 @@ impl Parameter {
             Quantity::Property(property, scale) => {
                 return needs_frame(name, model)?.check_property(name, *property, *scale, &self.terms);
             }
-            Quantity::Angle(angle) => {
+            Quantity::Angle(_) | Quantity::Position(_) | Quantity::Length(_) => {
                 let parts = needs_frame(name, model)?.description();
-                if parts.dimension == Dimension::Plane && angle.axis[..2] != [0.0; 2] {
-                    let got = format!("a turn about the axis {:?}", angle.axis);
-                    let wanted = "the axis (0, 0, 1): a plane frame turns in its plane";
-                    return Err(
-                        Error::input(name, got, wanted).remedy("Leave the axis out for a plane frame.")
-                    );
+                let out_of_plane = match &self.quantity {
+                    _ if parts.dimension == Dimension::Space => None,
+                    Quantity::Angle(angle) if angle.axis[..2] != [0.0; 2] => {
+                        let got = format!("a turn about the axis {:?}", angle.axis);
+                        let wanted = "the axis (0, 0, 1): a plane frame turns in its plane";
+                        Some(Error::input(name, got, wanted).remedy("Leave the axis out for a plane frame."))
+                    }
+                    Quantity::Position(direction) if direction[2] != 0.0 => {
+                        let got = format!("a shift along {direction:?}");
+                        let wanted = "a direction in the plane x-y";
+                        let remedy = "The nodes of a plane frame stay in its plane.";
+                        Some(Error::input(name, got, wanted).remedy(remedy))
+                    }
+                    _ => None,
+                };
+                if let Some(error) = out_of_plane {
+                    return Err(error);
                 }
-                return self.check_nodes(name, parts.nodes_m.len());
-            }
-            Quantity::Position(direction) => {
-                let parts = needs_frame(name, model)?.description();
-                if parts.dimension == Dimension::Plane && direction[2] != 0.0 {
-                    let got = format!("a shift along {direction:?}");
-                    return Err(Error::input(name, got, "a direction in the plane x-y")
-                        .remedy("The nodes of a plane frame stay in its plane."));
-                }
-                return self.check_nodes(name, parts.nodes_m.len());
-            }
-            Quantity::Length(_) => {
-                let parts = needs_frame(name, model)?.description();
-                return self.check_nodes(name, parts.nodes_m.len());
+                let mut nodes = self.terms.iter();
+                return nodes.try_for_each(|&node| check_node(name, node, parts.nodes_m.len()));
             }
         };
         for &term in &self.terms {
@@ -74,15 +73,6 @@ impl Parameter {
             .remedy("Give the spring or mass a nominal value, or leave the parameter out."));
         }
         Ok(())
-    }
-
-    fn check_nodes(&self, name: &Argument, n_nodes: usize) -> Result<()> {
-        let Some(node) = self.terms.iter().find(|&&node| node >= n_nodes) else {
-            return Ok(());
-        };
-        let wanted = format!("a node from 0 to {}", n_nodes - 1);
-        Err(Error::input(name, format!("node {node}"), wanted)
-            .remedy("Nodes are counted from 0, in the order of nodes_m."))
     }
 
     /// Value at which the model is as it was given; none where one value stands for different ones.

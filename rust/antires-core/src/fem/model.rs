@@ -187,12 +187,6 @@ impl Model {
         Err(Error::input(argument, format!("dof {dof}"), format!("a dof from 0 to {}", self.n_dof() - 1))
             .remedy("Dofs are counted from 0."))
     }
-
-    /// Whether dofs `i` and `k` are joined by any chain of stiffness or mass entries. If not, H_ik is
-    /// identically zero.
-    pub fn connected(&self, i: usize, k: usize) -> bool {
-        joins(&self.stiffness, &self.mass, &[i], &[k])
-    }
 }
 
 /// Whether every part of the structure has as many of the responses as of the forces: else det H[I, J] is zero. Parts
@@ -212,8 +206,7 @@ pub fn joins(stiffness: &SparseMatrix, mass: &SparseMatrix, responses: &[usize],
             if own + theirs == missing {
                 return own == theirs;
             }
-            let first = pattern.starts()[dof];
-            for (at, &other) in (first..).zip(pattern.column(dof)) {
+            for (at, &other) in pattern.places(dof).zip(pattern.column(dof)) {
                 let other = other as usize;
                 if !seen[other] && (stiffness.values[at] != 0.0 || mass.values[at] != 0.0) {
                     seen[other] = true;

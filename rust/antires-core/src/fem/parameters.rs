@@ -8,10 +8,6 @@
 //!
 //! Several parameters on one term multiply. A [`Property`], an angle, position or length of a frame acts on
 //! what the terms are formed from, see [`frame`](super::frame); all kinds mix.
-//!
-//! # property
-//!
-//! What a parameter of a frame can set: a property of sections, masses and supports, an angle, a length.
 
 /// What a parameter value means.
 #[derive(Debug, Clone, PartialEq)]

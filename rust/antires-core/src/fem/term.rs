@@ -1,8 +1,4 @@
-//! A term: the sparse, symmetric contribution of one element (or group) to K or M.
-//!
-//! # places
-//!
-//! Where the entries of terms are in the matrices that they are parts of.
+//! A term: the sparse, symmetric contribution of one element (or group) to K or M, and its places there.
 
 use nalgebra::SMatrix;
 

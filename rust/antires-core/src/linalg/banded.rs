@@ -15,7 +15,7 @@
 //! reversed (George & Liu, Computer Solution of Large Sparse Positive Definite Systems, 1981, ch. 4).
 //! A frame without many loops comes out with a half-bandwidth of a few nodes.
 
-use super::wide::{self, LANES, NullaryFnOnce, dot, subtract};
+use super::wide::{LANES, dot, subtract, widest};
 
 /// Growth of the factors, relative to the matrix, at which they are no longer trusted: rounding is then
 /// still below 1e-9 of the matrix.
@@ -34,7 +34,7 @@ pub struct Banded {
     /// shorter end.
     below: Vec<f64>,
     /// 1 / D of the factors.
-    inverse: Vec<f64>,
+    pub inverse: Vec<f64>,
 }
 
 impl Banded {
@@ -109,7 +109,7 @@ impl Banded {
     /// y = A x; both have [`half`](Self::half) more entries than A has rows, zero in x and of no meaning in
     /// y.
     pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
-        wide::run(Multiply { matrix: self, x, y });
+        multiply(self, x, y);
     }
 
     /// Σ |x_i| |A_ij| |x_j|: how far one ulp in each entry can move xᵀ A x, over ulp.
@@ -174,14 +174,9 @@ impl Banded {
         (negative, growth / largest.max(f64::MIN_POSITIVE))
     }
 
-    /// 1 / D of the factors.
-    pub fn inverse_pivots(&self) -> &[f64] {
-        &self.inverse
-    }
-
     /// x = A⁻¹ x from the factors; x has [`half`](Self::half) more entries than A has rows, kept at zero.
     pub fn solve(&self, x: &mut [f64]) {
-        wide::run(Solve { factors: self, x });
+        solve(self, x);
     }
 
     /// Whether the matrix is positive definite by more than `least` of each diagonal entry; the matrix is
@@ -194,18 +189,9 @@ impl Banded {
     }
 }
 
-/// [`Banded::solve`].
-struct Solve<'a> {
-    factors: &'a Banded,
-    x: &'a mut [f64],
-}
-
-impl NullaryFnOnce for Solve<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Self { factors, x } = self;
+widest!(
+    /// [`Banded::solve`].
+    fn solve(factors: &Banded, x: &mut [f64]) {
         let (n, half) = (factors.n, factors.half);
         for j in 0..n {
             let (head, rows) = x[j..=j + half].split_at_mut(1);
@@ -220,21 +206,11 @@ impl NullaryFnOnce for Solve<'_> {
             head[0] -= dot(factors.column(j), rows);
         }
     }
-}
+);
 
-/// [`Banded::multiply`].
-struct Multiply<'a> {
-    matrix: &'a Banded,
-    x: &'a [f64],
-    y: &'a mut [f64],
-}
-
-impl NullaryFnOnce for Multiply<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Self { matrix, x, y } = self;
+widest!(
+    /// [`Banded::multiply`].
+    fn multiply(matrix: &Banded, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for j in 0..matrix.n {
             let (column, xj) = (matrix.column(j), x[j]);
@@ -243,7 +219,7 @@ impl NullaryFnOnce for Multiply<'_> {
             head[0] += matrix.diagonal[j] * xj + dot(column, &x[j + 1..=j + matrix.half]);
         }
     }
-}
+);
 
 // ---- ordering
 

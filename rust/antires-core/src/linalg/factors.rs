@@ -1,44 +1,12 @@
-//! Sparse factors L: their ordering and their blocks of columns.
+//! Symmetric matrices in band or in sparse form, and the factors of K + cM.
 //!
-//! The ordering that keeps L sparse (approximate minimum degree: Amestoy, Davis & Duff, SIAM J. Matrix Anal.
-//! Appl. 17 (1996) 886-905), and the blocks of columns of one structure (supernodes) of L; both are faer's.
+//! A sparse A = L D Lᵀ is formed without pivoting: stable for a positive definite A. Of K − xM, which is not, the growth
+//! of the factors tells how far rounding may have gone, as in [`crate::linalg::banded`]. The ordering that keeps L
+//! sparse (approximate minimum degree: Amestoy, Davis & Duff, SIAM J. Matrix Anal. Appl. 17 (1996) 886-905), its blocks
+//! of columns of one structure (supernodes), each a dense matrix, and its values are faer's.
 //!
-//! # blocks
-//!
-//! The blocks of columns of L that have one structure: each a dense matrix, column after column.
-//!
-//! # factors
-//!
-//! A = L D Lᵀ of a sparse matrix, without pivoting: stable for a positive definite A. Of K − xM, which is not,
-//! the growth of the factors tells how far rounding may have gone, as in [`crate::linalg::banded`].
-//!
-//! faer forms the values, block by block (module `blocks`).
-//!
-//! # pivots
-//!
-//! The signs of D, and the growth of the factors.
-//!
-//! # solution
-//!
-//! x = A⁻¹ x with the factors L D Lᵀ: L is read twice in the order of its memory, several columns at once.
-//!
-//! # several
-//!
-//! X = A⁻¹ X with the factors L D Lᵀ, and Y = A X, for [`LANES`] columns at once: L and A are read once for all.
-//!
-//! The columns lie side by side: what is read of L or A meets a whole row of X.
-//!
-//! # form
-//!
-//! A symmetric matrix in band or in sparse form.
-//!
-//! # factored
-//!
-//! Factors of K + cM, in band or in sparse form.
-//!
-//! # definite
-//!
-//! Whether a symmetric matrix is positive semi-definite to working precision.
+//! Solutions read L twice in the order of its memory: for one vector several columns at a time, for [`LANES`] vectors
+//! side by side once for all, so that what is read of L or A meets a whole row of X.
 
 use std::sync::Arc;
 
@@ -55,26 +23,29 @@ use faer::{Par, Side};
 
 use super::banded::Banded;
 use super::sparse::{Pattern, SparseMatrix};
-use super::wide::{self, COLUMNS, LANES, NullaryFnOnce, dot, dot_block, subtract, subtract_block};
+use super::wide::{self, COLUMNS, LANES, dot, dot_block, subtract, subtract_block, widest};
 
 /// What is known of the factors of every matrix of one pattern.
 #[derive(Debug)]
 pub struct Symbolic {
     /// `order[new] = old`.
-    order: Vec<usize>,
-    pattern: Arc<Pattern>,
-    origin: Vec<usize>,
-    /// The pattern as faer takes it.
+    pub order: Vec<usize>,
+    /// The pattern in the new order.
+    pub pattern: Arc<Pattern>,
+    /// For each place of `pattern` its number in the one analysed.
+    pub origin: Vec<usize>,
+    /// Multiplications and additions of a factorization.
+    pub flops: f64,
+    /// `pattern` as faer takes it.
     matrix: SymbolicSparseColMat<u32>,
     supernodes: SymbolicSupernodalCholesky<u32>,
-    flops: f64,
 }
 
 impl Symbolic {
     /// Analysis of a pattern; none for one that is too large.
     pub fn new(pattern: &Pattern) -> Option<Self> {
         let n = pattern.n();
-        if u32::try_from(pattern.len()).is_err() {
+        if u32::try_from(pattern.n_places()).is_err() {
             return None;
         }
         let order = minimum_degree(pattern)?;
@@ -84,7 +55,7 @@ impl Symbolic {
         let matrix = own.as_ref();
         let mut parents = vec![0_i32; n];
         let mut counts = vec![0_u32; n];
-        let memory = simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(n, pattern.len())
+        let memory = simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(n, pattern.n_places())
             .or(factorize_supernodal_symbolic_cholesky_scratch::<u32>(n));
         let mut memory = MemBuffer::try_new(memory).ok()?;
         let stack = MemStack::new(&mut memory);
@@ -95,38 +66,29 @@ impl Symbolic {
         Some(Self { order, pattern: Arc::new(permuted), origin, matrix: own, supernodes, flops })
     }
 
-    /// `order[new] = old`.
-    pub fn order(&self) -> &[usize] {
-        &self.order
-    }
-
-    /// The pattern in the new order.
-    pub fn pattern(&self) -> &Arc<Pattern> {
-        &self.pattern
-    }
-
-    /// For each place of [`pattern`](Self::pattern) its number in the one analysed.
-    pub fn origin(&self) -> &[usize] {
-        &self.origin
-    }
-
-    /// Multiplications and additions of a factorization.
-    pub fn flops(&self) -> f64 {
-        self.flops
-    }
-
     /// Number of values of L.
     pub fn n_values(&self) -> usize {
         self.supernodes.len_val()
     }
 
-    pub(super) fn supernodes(&self) -> &SymbolicSupernodalCholesky<u32> {
-        &self.supernodes
+    /// A matrix on the pattern analysed, in the new order.
+    fn moved(&self, a: &SparseMatrix) -> SparseMatrix {
+        let mut moved = SparseMatrix::new(Arc::clone(&self.pattern));
+        for (value, &at) in moved.values.iter_mut().zip(&self.origin) {
+            *value = a.values[at];
+        }
+        moved
     }
 
-    /// The pattern in the new order, as faer takes it.
-    pub(super) fn matrix(&self) -> SymbolicSparseColMatRef<'_, u32> {
-        self.matrix.as_ref()
+    /// The blocks of L, from the first column on.
+    fn blocks(&self) -> impl DoubleEndedIterator<Item = Block<'_>> {
+        let nodes = &self.supernodes;
+        (0..nodes.n_supernodes()).map(|s| {
+            let (first, end) = (nodes.supernode_begin()[s] as usize, nodes.supernode_end()[s] as usize);
+            let (rows, width) = (nodes.supernode(s).pattern(), end - first);
+            let values = nodes.col_ptr_for_val()[s] as usize;
+            Block { first, width, height: width + rows.len(), values, rows }
+        })
     }
 }
 
@@ -135,52 +97,31 @@ fn minimum_degree(pattern: &Pattern) -> Option<Vec<usize>> {
     let starts: Vec<u32> = pattern.starts().iter().map(|&s| s as u32).collect();
     let matrix = SymbolicSparseColMatRef::new_checked(n, n, &starts, None, pattern.rows());
     let (mut order, mut place) = (vec![0_u32; n], vec![0_u32; n]);
-    let memory = amd::order_maybe_unsorted_scratch::<u32>(n, pattern.len());
+    let memory = amd::order_maybe_unsorted_scratch::<u32>(n, pattern.n_places());
     let mut memory = MemBuffer::try_new(memory).ok()?;
     let stack = MemStack::new(&mut memory);
     amd::order_maybe_unsorted(&mut order, &mut place, matrix, Default::default(), stack).ok()?;
     Some(order.into_iter().map(|old| old as usize).collect())
 }
 
-// ---- blocks
-
 /// A block of columns of one structure.
-pub(super) struct Block<'a> {
+struct Block<'a> {
     /// First column.
-    pub first: usize,
+    first: usize,
     /// Number of columns.
-    pub width: usize,
+    width: usize,
     /// Number of rows, those of the diagonal block counted.
-    pub height: usize,
+    height: usize,
     /// Where its values begin.
-    pub values: usize,
+    values: usize,
     /// Rows below the diagonal block.
-    pub rows: &'a [u32],
-}
-
-fn block(symbolic: &Symbolic, s: usize) -> Block<'_> {
-    let nodes = symbolic.supernodes();
-    let (first, end) = (nodes.supernode_begin()[s], nodes.supernode_end()[s]);
-    let rows = nodes.supernode(s).pattern();
-    let width = (end - first) as usize;
-    Block {
-        first: first as usize,
-        width,
-        height: width + rows.len(),
-        values: nodes.col_ptr_for_val()[s] as usize,
-        rows,
-    }
-}
-
-/// The blocks of L, from the first column on.
-pub(super) fn blocks(symbolic: &Symbolic) -> impl DoubleEndedIterator<Item = Block<'_>> {
-    (0..symbolic.supernodes().n_supernodes()).map(|s| block(symbolic, s))
+    rows: &'a [u32],
 }
 
 impl Block<'_> {
     /// Column `c` of L.
     #[inline(always)]
-    pub fn column<'v>(&self, values: &'v [f64], c: usize) -> &'v [f64] {
+    fn column<'v>(&self, values: &'v [f64], c: usize) -> &'v [f64] {
         &values[self.values + c * self.height..][..self.height]
     }
 }
@@ -189,9 +130,11 @@ impl Block<'_> {
 
 /// Factors of the matrices of one pattern, in the order of its [`Symbolic`] analysis.
 pub struct SparseFactors {
-    symbolic: Arc<Symbolic>,
+    /// The analysis of the pattern.
+    pub symbolic: Arc<Symbolic>,
     /// L by blocks of columns, D on its diagonal.
     values: Vec<f64>,
+    /// 1 / D.
     inverse: Vec<f64>,
     memory: MemBuffer,
 }
@@ -200,33 +143,28 @@ impl SparseFactors {
     /// Reserves the memory.
     pub fn new(symbolic: Arc<Symbolic>) -> Self {
         let needed = factorize_supernodal_numeric_ldlt_scratch::<u32, f64>(
-            symbolic.supernodes(),
+            &symbolic.supernodes,
             Par::Seq,
             Default::default(),
         );
         Self {
             values: Vec::new(),
-            inverse: vec![0.0; symbolic.pattern().n()],
+            inverse: vec![0.0; symbolic.pattern.n()],
             memory: MemBuffer::new(needed),
             symbolic,
         }
-    }
-
-    /// The analysis of the pattern.
-    pub fn symbolic(&self) -> &Arc<Symbolic> {
-        &self.symbolic
     }
 
     /// Factorizes `a`, whose pattern is that of the analysis in the new order; returns the number of negative
     /// entries of D and the growth of the factors relative to A, infinite where a pivot is exactly zero.
     pub fn factorize(&mut self, a: &SparseMatrix) -> (usize, f64) {
         self.values.resize(self.symbolic.n_values(), 0.0);
-        let matrix = SparseColMatRef::new(self.symbolic.matrix(), &a.values);
+        let matrix = SparseColMatRef::new(self.symbolic.matrix.as_ref(), &a.values);
         let done = factorize_supernodal_numeric_ldlt(
             &mut self.values,
             matrix,
             Default::default(),
-            self.symbolic.supernodes(),
+            &self.symbolic.supernodes,
             Par::Seq,
             MemStack::new(&mut self.memory),
             Default::default(),
@@ -234,72 +172,36 @@ impl SparseFactors {
         if done.is_err() {
             return (0, f64::INFINITY);
         }
-        let (negative, growth) =
-            wide::run(Pivots { symbolic: &self.symbolic, values: &self.values, inverse: &mut self.inverse });
+        let (negative, growth) = pivots(&self.symbolic, &self.values, &mut self.inverse);
         if growth.is_nan() {
             return (0, f64::INFINITY);
         }
         (negative, growth / a.norm_max().max(f64::MIN_POSITIVE))
     }
 
-    /// Whether `a`, whose pattern is the one analysed, is definite; it is factorized.
-    pub fn factorize_moved(&mut self, a: &SparseMatrix) -> Definiteness {
-        let mut moved = SparseMatrix::new(Arc::clone(self.symbolic.pattern()));
-        for (value, &at) in moved.values.iter_mut().zip(self.symbolic.origin()) {
-            *value = a.values[at];
-        }
-        match self.factorize(&moved) {
-            (0, growth) if growth.is_finite() => Definiteness::Positive,
-            _ => Definiteness::Not,
-        }
-    }
-
-    /// 1 / D.
-    pub fn inverse_pivots(&self) -> &[f64] {
-        &self.inverse
-    }
-
     /// X = A⁻¹ X, several columns at once.
     pub fn solve_several(&self, x: &mut [Row]) {
-        wide::run(RowsSolution { symbolic: &self.symbolic, values: &self.values, inverse: &self.inverse, x });
+        solve_rows(&self.symbolic, &self.values, &self.inverse, x);
     }
 
     /// x = A⁻¹ x.
     pub fn solve(&self, x: &mut [f64]) {
-        wide::run(Solution { symbolic: &self.symbolic, values: &self.values, inverse: &self.inverse, x });
+        solve(&self.symbolic, &self.values, &self.inverse, x);
     }
-}
-
-/// Whether all pivots are above zero.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Definiteness {
-    /// They are.
-    Positive,
-    /// One is not.
-    Not,
 }
 
 // ---- pivots
 
-/// Number of negative pivots and growth of the factors, NaN where one is not a number; the inverse pivots.
-pub(super) struct Pivots<'a> {
-    pub symbolic: &'a Symbolic,
-    pub values: &'a [f64],
-    pub inverse: &'a mut [f64],
-}
-
-impl NullaryFnOnce for Pivots<'_> {
-    type Output = (usize, f64);
-
-    #[inline(always)]
-    fn call(self) -> Self::Output {
+widest!(
+    /// Number of negative pivots and growth of the factors, NaN where one is not a number; the inverse pivots.
+    fn pivots(symbolic: &Symbolic, values: &[f64], inverse: &mut [f64]) -> (usize, f64) {
         let (mut negative, mut growth) = (0, 0.0_f64);
-        for block in blocks(self.symbolic) {
+        for block in symbolic.blocks() {
             for c in 0..block.width {
-                let column = &block.column(self.values, c)[c..];
+                let column = &block.column(values, c)[c..];
                 let pivot = column[0];
                 negative += usize::from(pivot < 0.0);
-                self.inverse[block.first + c] = pivot.recip();
+                inverse[block.first + c] = pivot.recip();
                 let largest = wide::largest(&column[1..]);
                 let size = if largest > 1.0 { largest * largest } else { 1.0 + 0.0 * largest };
                 let size = size * pivot.abs();
@@ -312,28 +214,16 @@ impl NullaryFnOnce for Pivots<'_> {
         }
         (negative, growth)
     }
-}
+);
 
 // ---- solution
 
-/// A solution in place.
-pub(super) struct Solution<'a> {
-    pub symbolic: &'a Symbolic,
-    pub values: &'a [f64],
-    /// 1 / D.
-    pub inverse: &'a [f64],
-    pub x: &'a mut [f64],
-}
-
-impl NullaryFnOnce for Solution<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Self { symbolic, values, inverse, x } = self;
+widest!(
+    /// [`SparseFactors::solve`], `inverse` 1 / D.
+    fn solve(symbolic: &Symbolic, values: &[f64], inverse: &[f64], x: &mut [f64]) {
         // The rows of a block: its own, then those below.
         let mut rows: Vec<f64> = Vec::new();
-        for block in blocks(symbolic) {
+        for block in symbolic.blocks() {
             let own = block.first..block.first + block.width;
             rows.clear();
             rows.extend_from_slice(&x[own.clone()]);
@@ -348,7 +238,7 @@ impl NullaryFnOnce for Solution<'_> {
         for (x, inverse) in x.iter_mut().zip(inverse) {
             *x *= inverse;
         }
-        for block in blocks(symbolic).rev() {
+        for block in symbolic.blocks().rev() {
             let own = block.first..block.first + block.width;
             rows.clear();
             rows.extend_from_slice(&x[own.clone()]);
@@ -357,7 +247,7 @@ impl NullaryFnOnce for Solution<'_> {
             x[own].copy_from_slice(&rows[..block.width]);
         }
     }
-}
+);
 
 /// Takes the own rows times L from those below them.
 #[inline(always)]
@@ -407,23 +297,11 @@ pub type Row = [f64; LANES];
 /// Columns of L that are read side by side on the way back, where each has sums of its own.
 const BACK: usize = 4;
 
-/// [`SparseFactors::solve_several`](crate::linalg::sparse::SparseFactors::solve_several).
-pub(super) struct RowsSolution<'a> {
-    pub symbolic: &'a Symbolic,
-    pub values: &'a [f64],
-    /// 1 / D.
-    pub inverse: &'a [f64],
-    pub x: &'a mut [Row],
-}
-
-impl NullaryFnOnce for RowsSolution<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let (values, x) = (self.values, self.x);
+widest!(
+    /// [`SparseFactors::solve_several`].
+    fn solve_rows(symbolic: &Symbolic, values: &[f64], inverse: &[f64], x: &mut [Row]) {
         let mut rows: Vec<Row> = Vec::new();
-        for block in blocks(self.symbolic) {
+        for block in symbolic.blocks() {
             let own = block.first..block.first + block.width;
             rows.clear();
             rows.extend_from_slice(&x[own.clone()]);
@@ -437,10 +315,10 @@ impl NullaryFnOnce for RowsSolution<'_> {
                 }
             }
         }
-        for (row, inverse) in x.iter_mut().zip(self.inverse) {
+        for (row, inverse) in x.iter_mut().zip(inverse) {
             row.iter_mut().for_each(|x| *x *= inverse);
         }
-        for block in blocks(self.symbolic).rev() {
+        for block in symbolic.blocks().rev() {
             let own = block.first..block.first + block.width;
             rows.clear();
             rows.extend_from_slice(&x[own.clone()]);
@@ -449,7 +327,7 @@ impl NullaryFnOnce for RowsSolution<'_> {
             x[own].copy_from_slice(&rows[..block.width]);
         }
     }
-}
+);
 
 /// x −= l a.
 #[inline(always)]
@@ -537,8 +415,7 @@ impl Filled {
         let mut filled = Self::default();
         filled.starts.push(0);
         for j in 0..pattern.n() {
-            let range = pattern.starts()[j]..pattern.starts()[j + 1];
-            for (&value, &row) in a.values[range].iter().zip(pattern.column(j)) {
+            for (&value, &row) in a.values[pattern.places(j)].iter().zip(pattern.column(j)) {
                 if value != 0.0 {
                     filled.rows.push(row);
                     filled.values.push(value);
@@ -551,23 +428,14 @@ impl Filled {
 
     /// Y = A X.
     pub fn multiply(&self, x: &[Row], y: &mut [Row]) {
-        wide::run(RowsProduct { a: self, x, y });
+        multiply_rows(self, x, y);
     }
 }
 
-/// [`Filled::multiply`].
-struct RowsProduct<'a> {
-    a: &'a Filled,
-    x: &'a [Row],
-    y: &'a mut [Row],
-}
-
-impl NullaryFnOnce for RowsProduct<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let (a, x, y) = (self.a, self.x, self.y);
+widest!(
+    /// [`Filled::multiply`].
+    fn multiply_rows(a: &Filled, x: &[Row], y: &mut [Row]) {
+        let (a, x, y) = (a, x, y);
         for (range, y) in a.starts.windows(2).zip(y) {
             let (start, end) = (range[0], range[1]);
             let mut sum = [0.0; LANES];
@@ -578,7 +446,7 @@ impl NullaryFnOnce for RowsProduct<'_> {
             *y = sum;
         }
     }
-}
+);
 
 // ---- form
 
@@ -590,13 +458,20 @@ pub enum Form {
     Sparse(SparseMatrix),
 }
 
+/// Evaluates an expression for a matrix in whichever form it has.
+macro_rules! by_form {
+    ($form:expr, $a:ident => $value:expr) => {
+        match $form {
+            Form::Band($a) => $value,
+            Form::Sparse($a) => $value,
+        }
+    };
+}
+
 impl Form {
     /// Number of rows.
     pub fn n(&self) -> usize {
-        match self {
-            Self::Band(a) => a.n(),
-            Self::Sparse(a) => a.n(),
-        }
+        by_form!(self, a => a.n())
     }
 
     /// Entries by which vectors are longer than n, to be kept at zero.
@@ -609,10 +484,7 @@ impl Form {
 
     /// Diagonal entry `j`.
     pub fn diagonal(&self, j: usize) -> f64 {
-        match self {
-            Self::Band(a) => a.diagonal(j),
-            Self::Sparse(a) => a.diagonal(j),
-        }
+        by_form!(self, a => a.diagonal(j))
     }
 
     /// Largest diagonal entry.
@@ -622,26 +494,17 @@ impl Form {
 
     /// y = A x; see [`Banded::multiply`].
     pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
-        match self {
-            Self::Band(a) => a.multiply(x, y),
-            Self::Sparse(a) => a.multiply(x, y),
-        }
+        by_form!(self, a => a.multiply(x, y));
     }
 
     /// Σ |x_i| |A_ij| |x_j|.
     pub fn absolute_form(&self, x: &[f64]) -> f64 {
-        match self {
-            Self::Band(a) => a.absolute_form(x),
-            Self::Sparse(a) => a.absolute_form(x),
-        }
+        by_form!(self, a => a.absolute_form(x))
     }
 
     /// Σ (w_i A_ij u_j)².
     pub fn squared_form(&self, w: &[f64], u: &[f64]) -> f64 {
-        match self {
-            Self::Band(a) => a.squared_form(w, u),
-            Self::Sparse(a) => a.squared_form(w, u),
-        }
+        by_form!(self, a => a.squared_form(w, u))
     }
 }
 
@@ -696,8 +559,8 @@ impl Factors {
     /// Number of negative pivots among the rows that `counts` tells.
     pub fn negative_in(&self, counts: impl Fn(usize) -> bool) -> usize {
         let pivots = match self {
-            Self::Band(factors) => factors.inverse_pivots(),
-            Self::Sparse(_, factors) => factors.inverse_pivots(),
+            Self::Band(factors) => &factors.inverse,
+            Self::Sparse(_, factors) => &factors.inverse,
         };
         // NaN is not positive.
         let negative = |&row: &usize| !(pivots[row] > 0.0) && counts(row);
@@ -759,7 +622,9 @@ pub fn is_semidefinite(matrix: &SparseMatrix, whole: &SparseMatrix) -> bool {
     let Some(symbolic) = Symbolic::new(scaled.pattern()) else {
         return false;
     };
-    SparseFactors::new(Arc::new(symbolic)).factorize_moved(&scaled) == Definiteness::Positive
+    let moved = symbolic.moved(&scaled);
+    let (negative, growth) = SparseFactors::new(Arc::new(symbolic)).factorize(&moved);
+    negative == 0 && growth.is_finite()
 }
 
 #[cfg(test)]
@@ -797,11 +662,7 @@ mod tests {
 
     fn factors(a: &SparseMatrix) -> (SparseFactors, SparseMatrix) {
         let symbolic = Arc::new(Symbolic::new(a.pattern()).unwrap());
-        let mut moved = SparseMatrix::new(Arc::clone(symbolic.pattern()));
-        for (value, &at) in moved.values.iter_mut().zip(symbolic.origin()) {
-            *value = a.values[at];
-        }
-        (SparseFactors::new(symbolic), moved)
+        (SparseFactors::new(Arc::clone(&symbolic)), symbolic.moved(a))
     }
 
     #[test]

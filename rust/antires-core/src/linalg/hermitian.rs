@@ -159,8 +159,12 @@ impl Workspace {
                 break;
             }
         }
-        self.through_matrix(vector);
-        let first = self.rayleigh(vector);
+        // Once through the matrix itself, and Rayleigh's quotient.
+        multiply(&self.matrix, vector, &mut self.moved);
+        normalize(&mut self.moved);
+        vector.copy_from_slice(&self.moved);
+        multiply(&self.matrix, vector, &mut self.moved);
+        let first: f64 = vector.iter().zip(&self.moved).map(|(a, b)| a.re * b.re + a.im * b.im).sum();
         let rest = if n > 1 { (trace - first) / (n as f64 - 1.0) } else { 0.0 };
         Dominant { first, rest }
     }
@@ -214,17 +218,6 @@ impl Workspace {
             }
         }
         false
-    }
-
-    fn through_matrix(&mut self, vector: &mut [c64]) {
-        multiply(&self.matrix, vector, &mut self.moved);
-        normalize(&mut self.moved);
-        vector.copy_from_slice(&self.moved);
-    }
-
-    fn rayleigh(&mut self, v: &[c64]) -> f64 {
-        multiply(&self.matrix, v, &mut self.moved);
-        v.iter().zip(&self.moved).map(|(a, b)| a.re * b.re + a.im * b.im).sum()
     }
 }
 

@@ -53,7 +53,7 @@
 use super::factors::{Factors, Filled, Form, Row, SparseFactors, take};
 use super::sparse::SparseMatrix;
 use super::symmetric::{StandardSymmetric, decompose_tridiagonal};
-use super::wide::{self, COLUMNS, LANES, NullaryFnOnce, dot, subtract};
+use super::wide::{COLUMNS, LANES, dot, subtract, widest};
 
 /// Error of the response relative to its start at which the space is large enough.
 const NEGLIGIBLE_ERROR: f64 = 1e-17;
@@ -87,14 +87,15 @@ pub struct Krylov {
     /// Diagonal blocks of T and those below them, the last of which is B.
     diagonal: Vec<Square>,
     below: Vec<Square>,
-    /// Eigenvalues of T ascending in λ, and the eigenvectors in the same order, p rows each.
-    theta: Vec<f64>,
+    /// Eigenvalues of T, θ_j = 1 / (λ_j + σ), descending.
+    pub theta: Vec<f64>,
+    /// The eigenvectors in the same order, p rows each.
     ritz: Vec<f64>,
     kind: Start,
     /// What the space starts from in the first vectors: β_0, or C.
     start: Square,
-    /// A⁻¹e.
-    response: Vec<f64>,
+    /// A⁻¹e: the response at x = −σ.
+    pub response: Vec<f64>,
 }
 
 /// What a space starts from.
@@ -220,12 +221,7 @@ impl Krylov {
         let alpha = dot(w, &self.weighted[at..at + stride]);
         subtract(w, alpha, &self.basis[at..at + stride]);
         self.keep_out(op, w);
-        wide::run(ProjectOut {
-            w,
-            weighted: &self.weighted,
-            vectors: &self.basis,
-            coefficients: &mut self.coefficients,
-        });
+        project_out(w, &self.weighted, &self.basis, &mut self.coefficients);
         self.alpha.push(alpha + self.coefficients[j]);
         alpha.abs() + if j > 0 { self.beta[j - 1] } else { 0.0 }
     }
@@ -234,7 +230,7 @@ impl Krylov {
         let (weighted, vectors) = op.outside;
         let coefficients = &mut self.coefficients;
         if !vectors.is_empty() {
-            wide::run(ProjectOut { w, weighted, vectors, coefficients });
+            project_out(w, weighted, vectors, coefficients);
         }
     }
 
@@ -273,13 +269,13 @@ impl Krylov {
             }
             w.copy_from_slice(&mq);
             shifted.solve_several(&mut w);
-            let own = wide::run(Gram { a: &mq, b: &w });
+            let own = gram(&mq, &w);
             let other = transposed(&own);
             let own: Square =
                 std::array::from_fn(|c| std::array::from_fn(|r| 0.5 * (own[c][r] + other[c][r])));
-            wide::run(Take { w: &mut w, v: &q, by: &own });
+            take_product(&mut w, &q, &own);
             if let Some(coupling) = self.below.last() {
-                wide::run(Take { w: &mut w, v: &before, by: &transposed(coupling) });
+                take_product(&mut w, &before, &transposed(coupling));
             }
             let Some(next) = orthonormalize(&mut w, &mut mq, mass, &self.basis) else {
                 return false;
@@ -365,7 +361,7 @@ impl Krylov {
     fn decompose_blocks(&mut self) -> bool {
         let p = LANES * self.diagonal.len();
         let mut solver = StandardSymmetric::new(p);
-        let t = solver.matrix_mut();
+        let t = &mut solver.matrix;
         for (j, (own, below)) in self.diagonal.iter().zip(&self.below).enumerate() {
             let at = j * LANES;
             for c in 0..LANES {
@@ -380,10 +376,10 @@ impl Krylov {
         if solver.decompose().is_err() {
             return false;
         }
-        self.theta = solver.values().iter().rev().copied().collect();
+        self.theta = solver.values.iter().rev().copied().collect();
         self.ritz.clear();
         for j in (0..p).rev() {
-            self.ritz.extend(solver.vectors().col_as_slice(j));
+            self.ritz.extend(solver.vectors.col_as_slice(j));
         }
         true
     }
@@ -400,21 +396,6 @@ impl Krylov {
         } else {
             dot(&self.start[0], &self.y(j)[..LANES])
         }
-    }
-
-    /// θ_j = 1 / (λ_j + σ), descending.
-    pub fn theta(&self) -> &[f64] {
-        &self.theta
-    }
-
-    /// Entry `i` of A⁻¹e: the response at x = −σ.
-    pub fn response(&self, i: usize) -> f64 {
-        self.response[i]
-    }
-
-    /// Largest modulus of the response at x = −σ.
-    pub fn largest_response(&self) -> f64 {
-        self.response.iter().fold(0.0, |m, a| m.max(a.abs()))
     }
 
     /// Part of the load in y_j, over θ_j: c_j = that (Q y_j)_i.
@@ -480,33 +461,20 @@ pub fn pseudo_random() -> impl FnMut() -> f64 {
     }
 }
 
-/// Takes from w its part in the vectors V, with `weighted` = M V and VᵀMV = I.
-pub struct ProjectOut<'a> {
-    /// w.
-    pub w: &'a mut [f64],
-    /// M V, vector after vector.
-    pub weighted: &'a [f64],
-    /// V.
-    pub vectors: &'a [f64],
-    /// VᵀMw, as found.
-    pub coefficients: &'a mut Vec<f64>,
-}
-
-impl NullaryFnOnce for ProjectOut<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let stride = self.w.len();
-        self.coefficients.clear();
-        for v in self.weighted.chunks_exact(stride) {
-            self.coefficients.push(dot(self.w, v));
+widest!(
+    /// Takes from w its part in the vectors V, with `weighted` = M V and VᵀMV = I, vector after vector; `coefficients`
+    /// become VᵀMw.
+    pub fn project_out(w: &mut [f64], weighted: &[f64], vectors: &[f64], coefficients: &mut Vec<f64>) {
+        let stride = w.len();
+        coefficients.clear();
+        for v in weighted.chunks_exact(stride) {
+            coefficients.push(dot(w, v));
         }
-        for (v, &c) in self.vectors.chunks_exact(stride).zip(self.coefficients.iter()) {
-            subtract(self.w, c, v);
+        for (v, &c) in vectors.chunks_exact(stride).zip(coefficients.iter()) {
+            subtract(w, c, v);
         }
     }
-}
+);
 
 fn norm(a: &Row) -> f64 {
     dot(a, a).sqrt()
@@ -534,7 +502,7 @@ fn inverse(mut a: Square) -> Square {
 }
 
 /// A small matrix, column after column.
-pub type Square = [[f64; LANES]; LANES];
+type Square = [[f64; LANES]; LANES];
 
 /// Pivots below this, relative to the diagonal, are raised to it.
 const LEAST_PIVOT: f64 = 1e-13;
@@ -550,17 +518,16 @@ const MOST_PASSES: usize = 12;
 
 /// Makes `w` orthonormal in `mass` and orthogonal to the vectors of `outside`, one after the other; `weighted` becomes
 /// M times it. Returns B; none where they cannot be made so.
-pub fn orthonormalize(w: &mut [Row], weighted: &mut [Row], mass: &Filled, outside: &[f64]) -> Option<Square> {
+fn orthonormalize(w: &mut [Row], weighted: &mut [Row], mass: &Filled, outside: &[f64]) -> Option<Square> {
     let mut b = identity();
     let mut look = true;
     for pass in 0..MOST_PASSES {
         mass.multiply(w, weighted);
-        let (a, c) = (&*w, &*weighted);
-        let mut gram = wide::run(Gram { a, b: c });
+        let mut gram = gram(w, weighted);
         let mut far = 0.0_f64;
         let looked = look && !outside.is_empty();
         if looked {
-            let taken = wide::run(ProjectOutRows { w, weighted, vectors: outside });
+            let taken = project_out_rows(w, weighted, outside);
             far = taken.iter().flatten().fold(0.0, |m, t| m.max(t.abs()));
             for t in &taken {
                 for c in 0..LANES {
@@ -581,12 +548,12 @@ pub fn orthonormalize(w: &mut [Row], weighted: &mut [Row], mass: &Filled, outsid
         }
         let (root, least) = root(&gram);
         b = product(&root, &b);
-        wide::run(Divide { rows: w, root: &root });
+        divide(w, &root);
         let done = pass > 0 && far <= NEARLY;
         if done && looked {
             mass.multiply(w, weighted);
         } else if done {
-            wide::run(Divide { rows: weighted, root: &root });
+            divide(weighted, &root);
         }
         if done {
             return Some(b);
@@ -597,7 +564,7 @@ pub fn orthonormalize(w: &mut [Row], weighted: &mut [Row], mass: &Filled, outsid
 }
 
 /// I.
-pub fn identity() -> Square {
+fn identity() -> Square {
     let mut identity = Square::default();
     for c in 0..LANES {
         identity[c][c] = 1.0;
@@ -606,13 +573,13 @@ pub fn identity() -> Square {
 }
 
 /// A B.
-pub fn product(a: &Square, b: &Square) -> Square {
+fn product(a: &Square, b: &Square) -> Square {
     let entry = |r: usize, c: usize| (0..LANES).map(|q| a[q][r] * b[c][q]).sum();
     std::array::from_fn(|c| std::array::from_fn(|r| entry(r, c)))
 }
 
 /// Aᵀ.
-pub fn transposed(a: &Square) -> Square {
+fn transposed(a: &Square) -> Square {
     std::array::from_fn(|c| std::array::from_fn(|r| a[r][c]))
 }
 
@@ -637,106 +604,66 @@ fn root(gram: &Square) -> (Square, f64) {
     (root, least)
 }
 
-/// AᵀB.
-pub struct Gram<'a> {
-    /// A.
-    pub a: &'a [Row],
-    /// B.
-    pub b: &'a [Row],
-}
-
-impl NullaryFnOnce for Gram<'_> {
-    type Output = Square;
-
-    #[inline(always)]
-    fn call(self) -> Square {
+widest!(
+    /// AᵀB.
+    fn gram(a: &[Row], b: &[Row]) -> Square {
         // rows[r] is row r of the product.
         let mut rows = Square::default();
-        for (a, b) in self.a.iter().zip(self.b) {
+        for (a, b) in a.iter().zip(b) {
             for r in 0..LANES {
                 take(&mut rows[r], -a[r], b);
             }
         }
         transposed(&rows)
     }
-}
+);
 
-/// W ← W − V C.
-pub struct Take<'a> {
-    /// W.
-    pub w: &'a mut [Row],
-    /// The rows of V.
-    pub v: &'a [Row],
-    /// C.
-    pub by: &'a Square,
-}
-
-impl NullaryFnOnce for Take<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let rows = transposed(self.by);
-        for (w, v) in self.w.iter_mut().zip(self.v) {
+widest!(
+    /// W ← W − V C.
+    fn take_product(w: &mut [Row], v: &[Row], by: &Square) {
+        let rows = transposed(by);
+        for (w, v) in w.iter_mut().zip(v) {
             for q in 0..LANES {
                 take(w, v[q], &rows[q]);
             }
         }
     }
-}
+);
 
-/// W ← W R⁻¹, row by row.
-struct Divide<'a> {
-    rows: &'a mut [Row],
-    root: &'a Square,
-}
-
-impl NullaryFnOnce for Divide<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let inverse: Row = std::array::from_fn(|c| self.root[c][c].recip());
-        for row in self.rows {
+widest!(
+    /// W ← W R⁻¹, row by row.
+    fn divide(rows: &mut [Row], root: &Square) {
+        let inverse: Row = std::array::from_fn(|c| root[c][c].recip());
+        for row in rows {
             for c in 0..LANES {
                 for q in 0..c {
-                    row[c] -= row[q] * self.root[c][q];
+                    row[c] -= row[q] * root[c][q];
                 }
                 row[c] *= inverse[c];
             }
         }
     }
-}
+);
 
-/// W ← W − V VᵀMW; returns VᵀMW, row by row.
-struct ProjectOutRows<'a> {
-    w: &'a mut [Row],
-    weighted: &'a [Row],
-    /// V, column after column.
-    vectors: &'a [f64],
-}
-
-impl NullaryFnOnce for ProjectOutRows<'_> {
-    type Output = Vec<Row>;
-
-    #[inline(always)]
-    fn call(self) -> Vec<Row> {
-        let n = self.w.len();
-        let mut all = Vec::with_capacity(self.vectors.len() / n);
+widest!(
+    /// W ← W − V VᵀMW with V column after column; returns VᵀMW, row by row.
+    fn project_out_rows(w: &mut [Row], weighted: &[Row], vectors: &[f64]) -> Vec<Row> {
+        let n = w.len();
+        let mut all = Vec::with_capacity(vectors.len() / n);
         // The columns come in whole groups.
-        for group in self.vectors.chunks_exact(n * COLUMNS) {
+        for group in vectors.chunks_exact(n * COLUMNS) {
             let v: [&[f64]; COLUMNS] = std::array::from_fn(|q| &group[q * n..][..n]);
             let mut sums = [[0.0; LANES]; COLUMNS];
-            for (r, weighted) in self.weighted[..n].iter().enumerate() {
+            for (r, weighted) in weighted[..n].iter().enumerate() {
                 for q in 0..COLUMNS {
                     take(&mut sums[q], -v[q][r], weighted);
                 }
             }
             all.extend(sums);
         }
-        for (group, sums) in self.vectors.chunks_exact(n * COLUMNS).zip(all.chunks(COLUMNS)) {
+        for (group, sums) in vectors.chunks_exact(n * COLUMNS).zip(all.chunks(COLUMNS)) {
             let v: [&[f64]; COLUMNS] = std::array::from_fn(|q| &group[q * n..][..n]);
-            for (r, w) in self.w.iter_mut().enumerate() {
+            for (r, w) in w.iter_mut().enumerate() {
                 for q in 0..COLUMNS {
                     take(w, v[q][r], &sums[q]);
                 }
@@ -744,4 +671,4 @@ impl NullaryFnOnce for ProjectOutRows<'_> {
         }
         all
     }
-}
+);

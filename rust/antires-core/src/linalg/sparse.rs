@@ -1,9 +1,6 @@
-//! Where a symmetric matrix has entries: both triangles by columns, rows ascending, every diagonal place.
-//!
-//! # matrix
-//!
-//! A symmetric matrix on a fixed pattern.
+//! Sparse symmetric matrices on a fixed pattern: both triangles by columns, rows ascending, every diagonal place.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use faer::{Mat, MatRef};
@@ -71,18 +68,18 @@ impl Pattern {
     }
 
     /// Number of places.
-    pub fn len(&self) -> usize {
+    pub fn n_places(&self) -> usize {
         self.rows.len()
-    }
-
-    /// Whether the matrix has no row.
-    pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
     }
 
     /// Where each column begins, and the end of the last.
     pub fn starts(&self) -> &[usize] {
         &self.starts
+    }
+
+    /// Numbers of the places of column `j`.
+    pub fn places(&self, j: usize) -> Range<usize> {
+        self.starts[j]..self.starts[j + 1]
     }
 
     /// Rows of all columns, one after the other.
@@ -92,7 +89,7 @@ impl Pattern {
 
     /// Rows of column `j`, ascending.
     pub fn column(&self, j: usize) -> &[u32] {
-        &self.rows[self.starts[j]..self.starts[j + 1]]
+        &self.rows[self.places(j)]
     }
 
     /// Number of the place (i, j), if it is one.
@@ -106,7 +103,7 @@ impl Pattern {
         let mirrors = self.mirrors();
         let (mut starts, mut rows, mut origin) = (vec![0], Vec::new(), Vec::new());
         for j in 0..self.n() {
-            for at in self.starts[j]..self.starts[j + 1] {
+            for at in self.places(j) {
                 if kept(at) || kept(mirrors[at]) || self.rows[at] as usize == j {
                     rows.push(self.rows[at]);
                     origin.push(at);
@@ -129,11 +126,11 @@ impl Pattern {
             starts.push(starts[new] + self.column(old).len());
         }
         let mirrors = self.mirrors();
-        let (mut rows, mut origin) = (vec![0_u32; self.len()], vec![0; self.len()]);
+        let (mut rows, mut origin) = (vec![0_u32; self.rows.len()], vec![0; self.rows.len()]);
         // Row after row of the new pattern, so that the columns come out sorted.
         let mut next = starts.clone();
         for (new, &old) in order.iter().enumerate() {
-            for at in self.starts[old]..self.starts[old + 1] {
+            for at in self.places(old) {
                 let free = &mut next[place[self.rows[at] as usize] as usize];
                 rows[*free] = new as u32;
                 origin[*free] = mirrors[at];
@@ -168,7 +165,7 @@ pub struct SparseMatrix {
 impl SparseMatrix {
     /// Zero matrix.
     pub fn new(pattern: Arc<Pattern>) -> Self {
-        let values = vec![0.0; pattern.len()];
+        let values = vec![0.0; pattern.n_places()];
         Self { pattern, values }
     }
 
@@ -216,7 +213,7 @@ impl SparseMatrix {
 
     /// Puts zeros into row and column `j`, and one on the diagonal.
     pub fn pin(&mut self, j: usize) {
-        for at in self.pattern.starts()[j]..self.pattern.starts()[j + 1] {
+        for at in self.pattern.places(j) {
             let i = self.pattern.rows()[at] as usize;
             self.values[at] = f64::from(u8::from(i == j));
             if let Some(mirrored) = self.pattern.find(j, i).filter(|_| i != j) {
@@ -228,8 +225,7 @@ impl SparseMatrix {
     /// All places (row, column) with their values, column by column.
     pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> {
         (0..self.n()).flat_map(move |j| {
-            let range = self.pattern.starts()[j]..self.pattern.starts()[j + 1];
-            range.map(move |at| (self.pattern.rows()[at] as usize, j, self.values[at]))
+            self.pattern.places(j).map(move |at| (self.pattern.rows()[at] as usize, j, self.values[at]))
         })
     }
 
@@ -248,9 +244,8 @@ impl SparseMatrix {
     /// [`to_dense`](Self::to_dense) into a matrix that is zero outside the pattern.
     pub fn write_dense(&self, dense: &mut Mat<f64>) {
         for j in 0..self.n() {
-            let range = self.pattern.starts()[j]..self.pattern.starts()[j + 1];
             let column = dense.col_as_slice_mut(j);
-            for at in range {
+            for at in self.pattern.places(j) {
                 column[self.pattern.rows()[at] as usize] = self.values[at];
             }
         }
@@ -271,11 +266,9 @@ impl SparseMatrix {
 
     /// y = A x.
     pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
-        let (starts, rows) = (self.pattern.starts(), self.pattern.rows());
         for j in 0..self.n() {
-            let range = starts[j]..starts[j + 1];
             // Symmetric: column j is row j.
-            y[j] = gathered_dot(&self.values[range.clone()], &rows[range], x);
+            y[j] = gathered_dot(&self.values[self.pattern.places(j)], self.pattern.column(j), x);
         }
     }
 
@@ -290,10 +283,8 @@ impl SparseMatrix {
     }
 
     fn summed(&self, term: impl Fn(usize, usize, f64) -> f64) -> f64 {
-        let (starts, rows) = (self.pattern.starts(), self.pattern.rows());
         let column = |j: usize| {
-            let range = starts[j]..starts[j + 1];
-            let pairs = self.values[range.clone()].iter().zip(&rows[range]);
+            let pairs = self.values[self.pattern.places(j)].iter().zip(self.pattern.column(j));
             pairs.map(|(&a, &i)| term(i as usize, j, a)).sum::<f64>()
         };
         (0..self.n()).map(column).sum()
@@ -328,7 +319,7 @@ mod tests {
         assert_eq!(pattern.column(3), [0, 3]);
         assert_eq!(pattern.find(3, 0), Some(2));
         assert_eq!(pattern.find(3, 1), None);
-        assert_eq!(pattern.len(), 8);
+        assert_eq!(pattern.n_places(), 8);
     }
 
     #[test]
@@ -341,7 +332,7 @@ mod tests {
                 assert_eq!(pattern.find(order[i as usize], order[j]), Some(origin[at]));
             }
         }
-        assert_eq!(moved.len(), pattern.len());
+        assert_eq!(moved.n_places(), pattern.n_places());
     }
 
     #[test]

@@ -52,7 +52,7 @@ use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_uppe
 use faer::{Accum, Mat, MatRef, Par, Scale};
 
 use super::balance::Balance;
-use super::wide::{self, NullaryFnOnce};
+use super::wide::widest;
 use crate::error::{Error, Result};
 
 /// A Cholesky pivot ratio of M below this sends the symmetric problem down the shifted path:
@@ -70,11 +70,14 @@ pub struct SymmetricSolver {
     work: Mat<f64>,
     inverse_root_mass: Vec<f64>,
     memory: MemBuffer,
-    eigenvalues: Vec<f64>,
-    vectors: Mat<f64>,
+    /// Finite eigenvalues λ of the last [`solve`](Self::solve), ascending.
+    pub eigenvalues: Vec<f64>,
+    /// The mass-normalised φ in the order of the eigenvalues, then the massless ψ.
+    pub vectors: Mat<f64>,
     /// Shift σ of the massless path, with the largest μ; none when M was reduced directly.
     shift: Option<(f64, f64)>,
-    zero: f64,
+    /// Eigenvalues below this are zero at working precision.
+    pub zero: f64,
     /// How the matrices were scaled; none where they were not.
     balance: Option<Balance>,
     /// That of the dofs with mass, where those without were condensed.
@@ -107,11 +110,6 @@ impl SymmetricSolver {
         }
     }
 
-    /// Eigenvalues below this are zero at working precision.
-    pub fn zero(&self) -> f64 {
-        self.zero
-    }
-
     /// Absolute uncertainty of an eigenvalue near `lambda`: n ulp of what was decomposed.
     pub fn uncertainty(&self, lambda: f64) -> f64 {
         let ulps = self.n as f64 * f64::EPSILON;
@@ -121,7 +119,7 @@ impl SymmetricSolver {
         }
         match self.shift {
             None => {
-                let (first, last) = (self.standard.values()[0], self.standard.values()[self.n - 1]);
+                let (first, last) = (self.standard.values[0], self.standard.values[self.n - 1]);
                 ulps * units * last.abs().max(first.abs())
             }
             Some((sigma, largest_mu)) => ulps * units * largest_mu * (lambda / units + sigma).powi(2),
@@ -139,17 +137,6 @@ impl SymmetricSolver {
         let stretch = |r: usize| self.eigenvalues.get(r).map_or(1.0, |l| (l + shift).recip());
         let size = |dof: usize| (0..self.n).map(|r| self.vectors[(dof, r)].powi(2) * stretch(r)).sum::<f64>();
         (size(i) * size(k)).sqrt()
-    }
-
-    /// Finite eigenvalues λ of the last [`solve`](Self::solve), ascending.
-    pub fn eigenvalues(&self) -> &[f64] {
-        &self.eigenvalues
-    }
-
-    /// Vectors of the last [`solve`](Self::solve): the mass-normalised φ in the order of
-    /// [`eigenvalues`](Self::eigenvalues), then the massless ψ.
-    pub fn vectors(&self) -> MatRef<'_, f64> {
-        self.vectors.as_ref()
     }
 
     /// Solves for all modes.
@@ -208,10 +195,7 @@ impl SymmetricSolver {
             Mat::from_fn(rows.len(), cols.len(), |i, j| a[(rows[i], cols[j])])
         };
         let mut factor = part(k, &gone, &gone);
-        let memory = MemStack::new(&mut self.memory);
-        if cholesky_in_place(factor.as_mut(), Default::default(), Par::Seq, memory, Default::default())
-            .is_err()
-        {
+        if !cholesky(&mut factor, &mut self.memory) {
             return Ok(false);
         }
         let mut carried = part(k, &gone, &kept);
@@ -221,7 +205,7 @@ impl SymmetricSolver {
         let mut of_masses = Box::new(Self::new(kept.len()));
         of_masses.solve_as_given(stiffness.as_ref(), part(m, &kept, &kept).as_ref())?;
         solve_upper_triangular_in_place(factor.transpose(), carried.as_mut(), Par::Seq);
-        let follow = &carried * of_masses.vectors();
+        let follow = &carried * &of_masses.vectors;
         let mut alone = Mat::identity(gone.len(), gone.len());
         solve_upper_triangular_in_place(factor.transpose(), alone.as_mut(), Par::Seq);
         self.vectors.fill(0.0);
@@ -266,7 +250,7 @@ impl SymmetricSolver {
         }
         for j in 0..self.n {
             for i in j..self.n {
-                self.standard.matrix_mut()[(i, j)] =
+                self.standard.matrix[(i, j)] =
                     k[(i, j)] * self.inverse_root_mass[i] * self.inverse_root_mass[j];
             }
         }
@@ -276,7 +260,7 @@ impl SymmetricSolver {
     fn finish_diagonal(&mut self) -> Result<()> {
         self.standard.decompose()?;
         for j in 0..self.n {
-            let rotated = self.standard.vectors().col_as_slice(j).iter();
+            let rotated = self.standard.vectors.col_as_slice(j).iter();
             let vector = self.vectors.col_as_slice_mut(j).iter_mut();
             for ((v, q), s) in vector.zip(rotated).zip(&self.inverse_root_mass) {
                 *v = q * s;
@@ -289,7 +273,7 @@ impl SymmetricSolver {
     fn finish_regular(&mut self) -> Result<()> {
         self.standard.decompose()?;
         self.unreduce();
-        self.vectors.copy_from(self.standard.vectors());
+        self.vectors.copy_from(&self.standard.vectors);
         self.keep_all_eigenvalues();
         Ok(())
     }
@@ -311,15 +295,15 @@ impl SymmetricSolver {
         self.reduce(m);
         self.standard.decompose()?;
         self.unreduce();
-        let largest = self.standard.values()[self.n - 1];
+        let largest = self.standard.values[self.n - 1];
         let threshold = INFINITE_MODE * self.n as f64 * largest;
-        if self.standard.values()[0] < -1e3 * threshold {
+        if self.standard.values[0] < -1e3 * threshold {
             return Err(Error::Numerical {
                 what: "modes of (K, M)".into(),
                 detail: format!(
                     "the mass matrix is indefinite: the pair has the eigenvalue {:e} relative to {largest:e}; \
                      check the signs of its entries",
-                    self.standard.values()[0]
+                    self.standard.values[0]
                 ),
             });
         }
@@ -328,11 +312,11 @@ impl SymmetricSolver {
         self.eigenvalues.clear();
         for j in 0..self.n {
             let source = self.n - 1 - j;
-            let mu = self.standard.values()[source];
+            let mu = self.standard.values[source];
             let finite = mu > threshold;
             let scale = if finite { mu.sqrt().recip() } else { 1.0 };
             for i in 0..self.n {
-                self.vectors[(i, j)] = self.standard.vectors()[(i, source)] * scale;
+                self.vectors[(i, j)] = self.standard.vectors[(i, source)] * scale;
             }
             if finite {
                 self.eigenvalues.push(mu.recip() - sigma);
@@ -370,24 +354,17 @@ impl SymmetricSolver {
     }
 
     fn keep_all_eigenvalues(&mut self) {
-        let largest = self.standard.values().iter().fold(0.0_f64, |a, l| a.max(l.abs()));
+        let largest = self.standard.values.iter().fold(0.0_f64, |a, l| a.max(l.abs()));
         self.zero = zero_eigenvalue(self.n, largest);
         self.eigenvalues.clear();
-        self.eigenvalues.extend_from_slice(self.standard.values());
+        self.eigenvalues.extend_from_slice(&self.standard.values);
         self.clear_zeros();
     }
 
     /// `factor` = L of the given matrix; false when it is not positive definite.
     fn factorize(&mut self, a: MatRef<'_, f64>) -> bool {
         self.factor.copy_from(a);
-        cholesky_in_place(
-            self.factor.as_mut(),
-            Default::default(),
-            Par::Seq,
-            MemStack::new(&mut self.memory),
-            Default::default(),
-        )
-        .is_ok()
+        cholesky(&mut self.factor, &mut self.memory)
     }
 
     /// Smallest over largest squared pivot of `factor`.
@@ -400,7 +377,7 @@ impl SymmetricSolver {
 
     /// Takes L⁻¹ A L⁻ᵀ for symmetric A to the standard problem.
     fn reduce(&mut self, a: MatRef<'_, f64>) {
-        let (reduced, factor) = (self.standard.matrix_mut(), self.factor.as_ref());
+        let (reduced, factor) = (&mut self.standard.matrix, self.factor.as_ref());
         reduced.copy_from(a);
         solve_lower_triangular_in_place(factor, reduced.as_mut(), Par::Seq);
         self.work.copy_from(reduced.transpose());
@@ -412,10 +389,16 @@ impl SymmetricSolver {
     fn unreduce(&mut self) {
         solve_upper_triangular_in_place(
             self.factor.as_ref().transpose(),
-            self.standard.vectors_mut().as_mut(),
+            self.standard.vectors.as_mut(),
             Par::Seq,
         );
     }
+}
+
+/// A ← L of A = L Lᵀ; false when it is not positive definite.
+fn cholesky(a: &mut Mat<f64>, memory: &mut MemBuffer) -> bool {
+    let memory = MemStack::new(memory);
+    cholesky_in_place(a.as_mut(), Default::default(), Par::Seq, memory, Default::default()).is_ok()
 }
 
 /// λ = 0 in floating point: rigid-body eigenvalues scatter over a few `n` ulp of the largest.
@@ -431,9 +414,12 @@ const RESIDUAL_ULPS: f64 = 16.0;
 /// A, and after [`decompose_tridiagonal`](Self::decompose) its eigenvectors and eigenvalues.
 pub struct StandardSymmetric {
     n: usize,
-    matrix: Mat<f64>,
-    vectors: Mat<f64>,
-    values: Vec<f64>,
+    /// A, to be written, lower triangle.
+    pub matrix: Mat<f64>,
+    /// Q.
+    pub vectors: Mat<f64>,
+    /// μ, ascending.
+    pub values: Vec<f64>,
     memory: MemBuffer,
     small: SmallSymmetric,
 }
@@ -451,26 +437,6 @@ impl StandardSymmetric {
             memory: MemBuffer::new(memory),
             small: SmallSymmetric::default(),
         }
-    }
-
-    /// A, to be written, lower triangle.
-    pub fn matrix_mut(&mut self) -> &mut Mat<f64> {
-        &mut self.matrix
-    }
-
-    /// μ, ascending.
-    pub fn values(&self) -> &[f64] {
-        &self.values
-    }
-
-    /// Q.
-    pub fn vectors(&self) -> &Mat<f64> {
-        &self.vectors
-    }
-
-    /// Q, to be transformed in place.
-    pub fn vectors_mut(&mut self) -> &mut Mat<f64> {
-        &mut self.vectors
     }
 
     /// A = Q diag(μ) Qᵀ; A is overwritten.
@@ -693,27 +659,16 @@ pub fn decompose_tridiagonal(
     // A power of two, which rounds nothing: squares then neither overflow nor underflow where it matters.
     let scale = largest.log2().round().exp2();
     diagonal.iter_mut().chain(off.iter_mut()).for_each(|x| *x /= scale);
-    let converged = wide::run(Iteration { diagonal: &mut *diagonal, off, vectors, rows });
+    let converged = iterate(&mut *diagonal, off, vectors, rows);
     for x in diagonal {
         *x *= scale;
     }
     converged
 }
 
-/// The QL steps of [`decompose_tridiagonal`].
-struct Iteration<'a> {
-    diagonal: &'a mut [f64],
-    off: &'a mut [f64],
-    vectors: &'a mut [f64],
-    rows: usize,
-}
-
-impl NullaryFnOnce for Iteration<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn call(self) -> bool {
-        let Self { diagonal, off, vectors, rows } = self;
+widest!(
+    /// The QL steps of [`decompose_tridiagonal`].
+    fn iterate(diagonal: &mut [f64], off: &mut [f64], vectors: &mut [f64], rows: usize) -> bool {
         let n = diagonal.len();
         for top in 0..n {
             let mut steps = 0;
@@ -736,7 +691,7 @@ impl NullaryFnOnce for Iteration<'_> {
         }
         true
     }
-}
+);
 
 /// One shifted QL step on the unreduced block top..=bottom.
 #[inline(always)]

@@ -3,9 +3,31 @@
 //! The order of the additions is written out in lanes, and no multiplication is fused with an addition: the
 //! bits are the same on every machine.
 
-use pulp::Arch;
+/// Makes of a function one whose loops run in those instructions; what it calls has to be inlined.
+macro_rules! widest {
+    ($(#[$attribute:meta])* $visibility:vis fn $name:ident $(<const $length:ident: usize>)?
+        ($($argument:ident: $type:ty),+ $(,)?) $(-> $output:ty)? $body:block
+    ) => {
+        $(#[$attribute])*
+        $visibility fn $name $(<const $length: usize>)? ($($argument: $type),+) $(-> $output)? {
+            struct Call<A>(A);
 
-pub use pulp::NullaryFnOnce;
+            impl $(<const $length: usize>)? pulp::NullaryFnOnce for Call<($($type,)+)> {
+                #[allow(unused_parens)] // none is written as ()
+                type Output = ($($output)?);
+
+                #[inline(always)]
+                fn call(self) -> Self::Output {
+                    let Self(($($argument,)+)) = self;
+                    $body
+                }
+            }
+
+            pulp::Arch::new().dispatch(Call(($($argument,)+)))
+        }
+    };
+}
+pub(crate) use widest;
 
 /// Sums side by side.
 pub const LANES: usize = 4;
@@ -15,11 +37,6 @@ pub const LANES: usize = 4;
 #[must_use]
 pub fn total(sums: [f64; LANES]) -> f64 {
     (sums[0] + sums[2]) + (sums[1] + sums[3])
-}
-
-/// Runs a loop whose `call` is inlined.
-pub fn run<F: NullaryFnOnce>(work: F) -> F::Output {
-    Arch::new().dispatch(work)
 }
 
 /// a · b; what is left over after whole lanes comes last.

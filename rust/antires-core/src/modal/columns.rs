@@ -76,7 +76,7 @@ impl Columns {
     pub fn receptance(&mut self, matrices: &mut ScaledMatrices, ends: &Ends, x: f64) -> Option<ReceptanceAt> {
         let (value, slope) = self.solve(matrices, ends, x)?;
         let Self { u, w, .. } = self;
-        let moved = matrices.stiffness().squared_form(w, u) + x * x * matrices.mass().squared_form(w, u);
+        let moved = matrices.stiffness.squared_form(w, u) + x * x * matrices.mass.squared_form(w, u);
         Some(ReceptanceAt { value, slope, ulp: f64::EPSILON * moved.sqrt() / slope.abs() })
     }
 
@@ -92,8 +92,7 @@ impl Columns {
     ) -> Option<f64> {
         let (_, slope) = self.solve(matrices, ends, x)?;
         for (out, column) in [(left, &self.w), (right, &self.u)] {
-            out.clear();
-            out.resize(matrices.n(), 0.0);
+            zeros(out, matrices.n());
             matrices.by_dof(column, out);
         }
         Some(slope)
@@ -105,7 +104,7 @@ impl Columns {
             return None;
         }
         let Self { u, w, mu } = self;
-        let row = |dof: usize| matrices.structure().row(dof);
+        let row = |dof: usize| matrices.structure.row(dof);
         let solved = |column: &mut Vec<f64>, loads: &mut dyn Iterator<Item = (usize, f64)>| {
             zeros(column, matrices.stride());
             loads.for_each(|(dof, load)| column[row(dof)] = load);
@@ -119,7 +118,7 @@ impl Columns {
             let mut h = Small::zeros(ends.forces().len());
             for (k, &force) in ends.forces().iter().enumerate() {
                 solved(u, &mut [(force, 1.0)].into_iter());
-                ends.responses().iter().enumerate().for_each(|(i, &dof)| h.set(i, k, u[row(dof)]));
+                ends.responses().iter().enumerate().for_each(|(i, &dof)| h.a[i][k] = u[row(dof)]);
             }
             let null = h.null(None);
             solved(u, &mut ends.forces().iter().copied().zip(null.right));
@@ -127,7 +126,7 @@ impl Columns {
             null.value
         };
         mu.resize(matrices.stride(), 0.0);
-        matrices.mass().multiply(u, mu);
+        matrices.mass.multiply(u, mu);
         let slope: f64 = w.iter().zip(mu.iter()).map(|(a, b)| a * b).sum();
         // A dof without mass has no scale.
         slope.is_finite().then_some((value, slope))
@@ -150,7 +149,7 @@ pub fn modal_columns(
     left: &mut Vec<f64>,
     right: &mut Vec<f64>,
 ) -> f64 {
-    let (lambda, phi) = (modes.eigenvalues(), modes.vectors());
+    let (lambda, phi) = (&modes.eigenvalues, &modes.vectors);
     let n = phi.nrows();
     zeros(left, n);
     zeros(right, n);
@@ -178,7 +177,7 @@ pub fn of_minor(
     x: f64,
     (left, right): (&mut Vec<f64>, &mut Vec<f64>),
 ) -> f64 {
-    let (lambda, phi) = (modes.eigenvalues(), modes.vectors());
+    let (lambda, phi) = (&modes.eigenvalues, &modes.vectors);
     let n = phi.nrows();
     let (null, bordered, along) = series.null_vectors(x);
     for (column, factors, dofs) in [(left, null.left, ends.responses()), (right, null.right, ends.forces())] {
@@ -212,7 +211,7 @@ pub fn on_pole(
     left: &mut Vec<f64>,
     right: &mut Vec<f64>,
 ) -> f64 {
-    let (lambda, phi) = (modes.eigenvalues(), modes.vectors());
+    let (lambda, phi) = (&modes.eigenvalues, &modes.vectors);
     let n = phi.nrows();
     zeros(left, n);
     zeros(right, n);
@@ -286,7 +285,7 @@ pub fn by_factors(
 ) -> Adjoint {
     let (n, padding) = (matrices.n(), matrices.stride() - matrices.n());
     let by_row = |values: &[f64], times: &dyn Fn(f64) -> f64| -> Vec<f64> {
-        let rows = (0..n).map(|row| values[matrices.structure().dof(row)] * times(matrices.scale()[row]));
+        let rows = (0..n).map(|row| values[matrices.structure.dof(row)] * times(matrices.scale[row]));
         rows.chain(std::iter::repeat_n(0.0, padding)).collect()
     };
     let shape = by_row(phi, &f64::recip);
@@ -298,23 +297,21 @@ pub fn by_factors(
     }
     matrices.solve(&mut solution);
     let mut weighted = vec![0.0; matrices.stride()];
-    matrices.mass().multiply(&shape, &mut weighted);
+    matrices.mass.multiply(&shape, &mut weighted);
     let part: f64 = solution[..n].iter().zip(&weighted).map(|(s, w)| s * w).sum();
     for (value, along) in solution[..n].iter_mut().zip(&shape) {
         *value -= part * along;
     }
-    z.clear();
-    z.resize(n, 0.0);
+    zeros(z, n);
     matrices.by_dof(&solution[..n], z);
     Adjoint::Solved
 }
 
 /// z for mode `r` from all modes.
 pub fn by_all_modes(modes: &SymmetricSolver, r: usize, g: &[f64], z: &mut Vec<f64>) {
-    let (all, vectors) = (modes.eigenvalues(), modes.vectors());
+    let (all, vectors) = (&modes.eigenvalues, &modes.vectors);
     let n = vectors.nrows();
-    z.clear();
-    z.resize(n, 0.0);
+    zeros(z, n);
     for s in (0..n).filter(|&s| s != r) {
         let along: f64 = (0..n).map(|dof| vectors[(dof, s)] * g[dof]).sum();
         let stretch = all.get(s).map_or(1.0, |l| (l - all[r]).recip());

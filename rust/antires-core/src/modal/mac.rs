@@ -164,7 +164,7 @@ pub struct ModeSensitivity {
 impl ModeSensitivity {
     /// Takes up mode `r` of `modes`, which are those of `solved`, and the measured `shape`.
     pub fn set(&mut self, modes: &LowModes, solved: &mut Solved<'_>, r: usize, shape: &Shape) -> Result<()> {
-        self.lambda = modes.eigenvalues()[r];
+        self.lambda = modes.lambda[r];
         self.phi.clear();
         self.phi.extend_from_slice(modes.shape(r));
         if modes.space(r).len() > self.phi.len() {

@@ -142,7 +142,8 @@ pub type Each = [f64; MOST_FORCES];
 #[derive(Debug, Clone, Copy)]
 pub struct Small {
     n: usize,
-    a: [[f64; BORDERED]; BORDERED],
+    /// Its entries, row by row.
+    pub a: [[f64; BORDERED]; BORDERED],
 }
 
 /// Vectors on which a small matrix is all but zero: bᵀ B c = `value`.
@@ -162,11 +163,6 @@ impl Small {
     /// The zero matrix of `n` rows.
     pub fn zeros(n: usize) -> Self {
         Self { n, a: [[0.0; BORDERED]; BORDERED] }
-    }
-
-    /// Sets an entry.
-    pub fn set(&mut self, i: usize, j: usize, value: f64) {
-        self.a[i][j] = value;
     }
 
     /// The matrix with one more row and column, and zero in the corner.
@@ -307,7 +303,8 @@ pub struct Refined {
 #[derive(Debug, Clone)]
 pub struct Group {
     modes: Range<usize>,
-    lambda: f64,
+    /// λ.
+    pub lambda: f64,
     /// Roots on it that cancel; none is told of rigid-body modes, at zero.
     pub cancelled: usize,
 }
@@ -316,11 +313,6 @@ impl Group {
     /// Whether `x` lies among the spread poles.
     pub fn holds(&self, x: f64) -> bool {
         (x - self.lambda).abs() <= 2.0 * IN_GROUP * SPREAD * self.lambda
-    }
-
-    /// λ.
-    pub fn lambda(&self) -> f64 {
-        self.lambda
     }
 }
 
@@ -336,11 +328,14 @@ pub struct MinorSeries {
     spread: Vec<f64>,
     psi: Vec<Each>,
     gamma: Vec<Each>,
-    constant: [Each; MOST_FORCES],
+    /// d_ik.
+    pub constant: [Each; MOST_FORCES],
     /// Up to this the λ are those of modes.
     limit: f64,
-    groups: Vec<Group>,
-    is_open: bool,
+    /// The groups of coinciding eigenvalues, rigid-body modes among them.
+    pub groups: Vec<Group>,
+    /// Whether rounding hides if a root cancels, or more modes coincide than are told apart.
+    pub is_open: bool,
     /// t / (λ_n − λ_m) of row m, as spread, and the λ and σ that it was formed of: those of one set of forces.
     gaps: Vec<f64>,
     gaps_of: (Vec<f64>, Option<f64>),
@@ -349,7 +344,7 @@ pub struct MinorSeries {
 impl MinorSeries {
     /// Takes all modes.
     pub fn of_all_modes(&mut self, solver: &SymmetricSolver, ends: &Ends) {
-        let (lambda, phi) = (solver.eigenvalues(), solver.vectors());
+        let (lambda, phi) = (&solver.eigenvalues, &solver.vectors);
         self.begin(ends.order, phi.nrows(), None, f64::INFINITY);
         let at = |dofs: &[usize], r: usize| {
             let mut each = Each::default();
@@ -357,7 +352,7 @@ impl MinorSeries {
             each
         };
         for (r, &value) in lambda.iter().enumerate() {
-            let value = if value.abs() <= solver.zero() { 0.0 } else { value };
+            let value = if value.abs() <= solver.zero { 0.0 } else { value };
             self.add(value, at(ends.responses(), r), at(ends.forces(), r));
         }
         for r in lambda.len()..phi.nrows() {
@@ -394,11 +389,6 @@ impl MinorSeries {
         self.lambda.push(lambda);
         self.psi.push(psi);
         self.gamma.push(gamma);
-    }
-
-    /// Notes d_ik.
-    pub fn set_constant(&mut self, i: usize, k: usize, value: f64) {
-        self.constant[i][k] = value;
     }
 
     /// Looks for eigenvalues that coincide, and spreads them.
@@ -445,16 +435,6 @@ impl MinorSeries {
         let found = b.null(Some(&size)).nullity;
         self.lambda[modes.clone()].copy_from_slice(&here);
         found
-    }
-
-    /// The groups of coinciding eigenvalues, rigid-body modes among them.
-    pub fn groups(&self) -> &[Group] {
-        &self.groups
-    }
-
-    /// Whether rounding hides if a root cancels, or more modes coincide than are told apart.
-    pub fn is_open(&self) -> bool {
-        self.is_open
     }
 
     /// t at x, and its slope.

@@ -4,9 +4,9 @@
 //!
 //! All modes of a model up to a limit: frequencies, shapes, and the adjoint solutions for their derivatives.
 //!
-//! Where factors of K − xM are cheap it is solved by [`ReducedModes`](crate::modal::reduced::ReducedModes), where a count of the modes
+//! Where factors of K − xM are cheap it is solved by [`ReducedModes`], where a count of the modes
 //! by inertia proves that none is missing; all else, and what that leaves open, by the dense
-//! [`SymmetricSolver`](crate::linalg::symmetric::SymmetricSolver).
+//! [`SymmetricSolver`].
 //!
 //! # frf
 //!
@@ -77,7 +77,7 @@ impl AllModes {
         let mut solver = SymmetricSolver::new(n);
         let (k, m) = (model.stiffness().to_dense(), model.mass().to_dense());
         solver.solve(k.as_ref(), m.as_ref())?;
-        Ok(Self { lambda: solver.eigenvalues().to_vec(), vectors: solver.vectors().to_owned() })
+        Ok(Self { lambda: solver.eigenvalues, vectors: solver.vectors })
     }
 
     /// The finite modes.
@@ -85,11 +85,6 @@ impl AllModes {
         let shapes: MatRef<'_, f64> = self.vectors.get(.., ..self.lambda.len());
         Modes { freq_hz: self.lambda.iter().map(|&l| hertz(l)).collect(), shapes: shapes.to_owned() }
     }
-}
-
-/// Solves for all finite modes of `model`.
-pub fn modes(model: &Model) -> Result<Modes> {
-    Ok(AllModes::of(model)?.finite())
 }
 
 /// The lowest modes of a model, up to `f_max_hz` and at most `most` of them, from factors of K − xM: a count
@@ -127,7 +122,7 @@ fn by_factors(structure: Structure, model: &Model, f_max_hz: f64, most: Option<u
 /// A λ with `most` modes below it, or a few more; none where the search for it leads nowhere.
 fn limit_above(most: usize, matrices: &mut ScaledMatrices) -> Option<f64> {
     let enough = most..=most + most / 2 + SPARE;
-    let largest = matrices.stiffness().largest_diagonal();
+    let largest = matrices.stiffness.largest_diagonal();
     let (mut low, mut high) = (0.0, largest);
     for _ in 0..MOST_COUNTS {
         // Halving the exponent, until there is a lower end.
@@ -151,10 +146,12 @@ const REPEATED: f64 = 1e-8;
 #[derive(Debug, Clone, Default)]
 pub struct LowModes {
     n: usize,
-    lambda: Vec<f64>,
+    /// Eigenvalues λ = ω², ascending.
+    pub lambda: Vec<f64>,
     /// Shapes by dof, one after the other.
     shapes: Vec<f64>,
-    zero: f64,
+    /// Eigenvalues up to this are zero at working precision: rigid-body modes.
+    pub zero: f64,
 }
 
 impl LowModes {
@@ -171,21 +168,16 @@ impl LowModes {
             }
         }
         let solver = solved.dense()?;
-        let all = solver.eigenvalues();
+        let all = &solver.eigenvalues;
         let count = all.partition_point(|&l| l <= limit);
         self.lambda.clear();
         self.lambda.extend_from_slice(&all[..count]);
         self.shapes.clear();
         for r in 0..count {
-            self.shapes.extend((0..self.n).map(|dof| solver.vectors()[(dof, r)]));
+            self.shapes.extend((0..self.n).map(|dof| solver.vectors[(dof, r)]));
         }
         self.zero = 16.0 * solver.uncertainty(0.0);
         Ok(())
-    }
-
-    /// Eigenvalues λ = ω², ascending.
-    pub fn eigenvalues(&self) -> &[f64] {
-        &self.lambda
     }
 
     /// Mass-normalised shape of mode `r`, one entry a dof.
@@ -208,12 +200,7 @@ impl LowModes {
         &self.shapes[first * self.n..(last + 1) * self.n]
     }
 
-    /// Eigenvalues up to this are zero at working precision: rigid-body modes.
-    pub fn zero(&self) -> f64 {
-        self.zero
-    }
-
-    /// Solves (K − λM) z = g with zᵀMφ = 0 for mode `r` and a slope `g` with gᵀφ = 0, see [`nelson`]; `solved`
+    /// Solves (K − λM) z = g with zᵀMφ = 0 for mode `r` and a slope `g` with gᵀφ = 0, see [`columns`]; `solved`
     /// are the matrices whose modes these are.
     ///
     /// Not for a repeated mode, whose shape has no derivative.
@@ -338,13 +325,13 @@ mod tests {
         let (mut banded, mut solved) = (for_band.of(k, m), for_dense.of(k, m));
         let (band, dense) = (low(&mut banded, 3e4), low(&mut solved, 3e4));
         assert!(banded.dense_in_hand().is_none() && solved.dense_in_hand().is_some());
-        let count = band.eigenvalues().len();
-        assert!(count > 8 && count == dense.eigenvalues().len(), "{count}");
-        assert!(band.eigenvalues()[0] <= band.zero() && dense.eigenvalues()[0] <= dense.zero());
+        let count = band.lambda.len();
+        assert!(count > 8 && count == dense.lambda.len(), "{count}");
+        assert!(band.lambda[0] <= band.zero && dense.lambda[0] <= dense.zero);
         let (mut by_band, mut densely) = (Vec::new(), Vec::new());
         for r in 1..count {
-            let (a, b) = (band.eigenvalues()[r], dense.eigenvalues()[r]);
-            assert!(a > band.zero() && (a / b - 1.0).abs() < 1e-10, "{a} {b}");
+            let (a, b) = (band.lambda[r], dense.lambda[r]);
+            assert!(a > band.zero && (a / b - 1.0).abs() < 1e-10, "{a} {b}");
             let sign = (band.shape(r)[0] * dense.shape(r)[0]).signum();
             for (p, q) in band.shape(r).iter().zip(dense.shape(r)) {
                 assert!((p - sign * q).abs() < 1e-8, "{p} {q}");
@@ -378,9 +365,9 @@ mod tests {
             modes
         };
         let (single, double) = (of(&one), of(&model));
-        assert_eq!(double.eigenvalues().len(), 2 * single.eigenvalues().len());
-        for r in 2..double.eigenvalues().len() {
-            let ratio = double.eigenvalues()[r] / single.eigenvalues()[r / 2];
+        assert_eq!(double.lambda.len(), 2 * single.lambda.len());
+        for r in 2..double.lambda.len() {
+            let ratio = double.lambda[r] / single.lambda[r / 2];
             assert!((ratio - 1.0).abs() < 1e-10, "{ratio}");
             assert_eq!(double.space(r).len(), 200);
             assert_eq!(single.space(r / 2).len(), 50);

@@ -67,7 +67,7 @@ pub enum Pattern {
 impl Receptance {
     /// Forms the partial fractions between dofs `i` and `k` from a solved eigenproblem.
     pub fn form(&mut self, solver: &SymmetricSolver, i: usize, k: usize) {
-        let (lambda, phi) = (solver.eigenvalues(), solver.vectors());
+        let (lambda, phi) = (&solver.eigenvalues, &solver.vectors);
         let n = phi.nrows();
         self.clear();
         let (mut size_i, mut size_k) = (0.0_f64, 0.0_f64);
@@ -96,11 +96,6 @@ impl Receptance {
         self.most_roots = None;
     }
 
-    /// Notes an upper bound of the number of roots, cancelled ones too.
-    pub fn bound_roots(&mut self, most: Option<usize>) {
-        self.most_roots = most;
-    }
-
     /// Largest modulus of the residues of the poles up to `limit`.
     pub fn largest_residue(&self, limit: f64) -> f64 {
         let poles = self.poles.iter().zip(&self.residues);
@@ -113,11 +108,6 @@ impl Receptance {
         self.poles.push(-sigma);
         self.residues.push(-known);
         self.beside = 1;
-    }
-
-    /// Residues of the modes.
-    fn of_modes(&self) -> &[f64] {
-        &self.residues[self.beside..]
     }
 
     /// Adds a mode, λ ascending; within `repeated` of the last it shares its pole.
@@ -172,8 +162,8 @@ impl Receptance {
     /// Looks at the signs of the residues. Between neighbours of one sign lies an odd number of roots, so
     /// as many pairs of them as there are roots at most leave none for elsewhere.
     pub fn pattern(&self) -> Pattern {
-        let first = self.of_modes().first().copied().unwrap_or_default();
-        if self.of_modes().iter().all(|c| c * first > 0.0) {
+        let of_modes = &self.residues[self.beside..];
+        if of_modes.iter().all(|c| c * of_modes[0] > 0.0) {
             return Pattern::OneSign;
         }
         let sure = |c: &f64| c.abs() > SURE_RESIDUE * self.residue_error;

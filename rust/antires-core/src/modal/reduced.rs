@@ -114,7 +114,7 @@ impl ReducedModes {
     /// Finds the poles up to `limit` of the excitation, and all other modes of the whole structure if those are
     /// asked for; false where the dense solver has to.
     pub fn solve(&mut self, excitation: usize, limit: f64, whole: bool) -> bool {
-        let row = self.matrices.structure().row(excitation);
+        let row = self.matrices.structure.row(excitation);
         let scope = if whole { Scope::Whole } else { Scope::PartOf(row) };
         let same = |last: &Attempt| last.excitation == excitation && last.limit == limit;
         let serves = |last: &Attempt| last.scope == scope || last.scope == Scope::Whole;
@@ -135,10 +135,10 @@ impl ReducedModes {
         }
         let found = self.solve(forces[0], limit, true) && {
             let mut modes = self.poles.modes();
-            modes.extend(self.hidden.lambda());
+            modes.extend(&self.hidden.lambda);
             modes.retain(|&lambda| lambda <= limit);
-            let rows: Vec<usize> = forces.iter().map(|&dof| self.matrices.structure().row(dof)).collect();
-            let sigma = self.poles.sigma();
+            let rows: Vec<usize> = forces.iter().map(|&dof| self.matrices.structure.row(dof)).collect();
+            let sigma = self.poles.sigma;
             self.matrices.shift(sigma) && self.several.grow(&self.matrices, &rows, (sigma, limit), &modes)
         };
         self.last_several = Some((forces.to_vec(), limit, found));
@@ -147,8 +147,8 @@ impl ReducedModes {
 
     /// The series between some responses and the forces of the last [`solve_several`](Self::solve_several).
     pub fn series(&self, responses: &[usize], series: &mut MinorSeries) {
-        let rows: Vec<usize> = responses.iter().map(|&dof| self.matrices.structure().row(dof)).collect();
-        self.several.series(&rows, self.poles.zero(), series);
+        let rows: Vec<usize> = responses.iter().map(|&dof| self.matrices.structure.row(dof)).collect();
+        self.several.series(&rows, self.poles.zero, series);
     }
 
     fn try_solve(&mut self, row: usize, limit: f64, scope: Scope) -> bool {
@@ -183,13 +183,12 @@ impl ReducedModes {
         let Some((cut, count)) = self.count(limit, scope) else {
             return false;
         };
-        let shown = self.poles.count((cut + self.poles.sigma()).recip());
+        let shown = self.poles.count((cut + self.poles.sigma).recip());
         if count <= shown {
             return count == shown;
         }
-        self.matrices.shift(self.poles.sigma());
-        let outside = Outside { matrices: &self.matrices, poles: &self.poles, cut };
-        self.hidden.find(&outside, count - shown)
+        self.matrices.shift(self.poles.sigma);
+        self.hidden.find(&self.matrices, &self.poles, cut, count - shown)
     }
 
     /// The modes up to the limit of the last [`solve`](Self::solve), ascending, and their mass-normalised shapes
@@ -198,12 +197,13 @@ impl ReducedModes {
         let (n, stride) = (self.matrices.n(), self.matrices.stride());
         let limit = self.last.map_or(0.0, |last| last.limit);
         let mut values = self.poles.modes();
-        values.extend(self.hidden.lambda());
-        let zero = self.poles.zero();
-        let vectors = if self.hidden.lambda().is_empty() {
-            self.poles.vectors(&self.matrices)
+        values.extend(&self.hidden.lambda);
+        let zero = self.poles.zero;
+        let vectors = if self.hidden.lambda.is_empty() {
+            let modes: Vec<usize> = (0..self.poles.found.len()).filter(|&j| self.poles.found[j]).collect();
+            self.poles.vectors(&self.matrices, modes.into_iter())
         } else {
-            self.hidden.vectors()
+            &self.hidden.vectors
         };
         let mut order: Vec<usize> = (0..values.len()).filter(|&j| values[j] <= limit).collect();
         order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
@@ -225,18 +225,18 @@ impl ReducedModes {
 
     /// Eigenvalues and roots below this are zero at working precision.
     pub fn zero(&self) -> f64 {
-        self.poles.zero()
+        self.poles.zero
     }
 
     /// Forms the partial fractions between dof `i` and the excitation of the last [`solve`](Self::solve).
     pub fn form(&mut self, i: usize, h: &mut Receptance) {
-        let (n, row) = (self.matrices.n(), self.matrices.structure().row(i));
-        self.poles.form(n, row, self.hidden.lambda(), h);
+        let (n, row) = (self.matrices.n(), self.matrices.structure.row(i));
+        self.poles.form(n, row, &self.hidden.lambda, h);
     }
 }
 
 /// The poles are told up to this part above the limit, for the count to find a clear place.
-pub(super) const MARGIN: f64 = 0.02;
+const MARGIN: f64 = 0.02;
 
 /// Values of the factors from which on a block costs no more than the load alone. It also has up to four modes of
 /// one frequency, as square structures do, which leave the count of modes open otherwise.
@@ -253,11 +253,13 @@ const RIGID: usize = 6;
 
 /// The poles of one load, with the memory to find them again.
 #[derive(Default)]
-pub(super) struct Poles {
+struct Poles {
     space: Krylov,
     sigma: f64,
     limit: f64,
+    /// Eigenvalues below this are zero at working precision.
     zero: f64,
+    /// For each pole up to the limit and its margin: whether it is a mode.
     found: Vec<bool>,
     repeated: Vec<f64>,
     weighted: Vec<f64>,
@@ -268,7 +270,7 @@ pub(super) struct Poles {
 impl Poles {
     /// Finds the poles up to `limit` of a load on row `k`; `matrices` hold the factors of K + σM. False where
     /// one of them is neither a mode nor rounding.
-    pub fn find(
+    fn find(
         &mut self,
         matrices: &ScaledMatrices,
         (sigma, limit): (f64, f64),
@@ -293,11 +295,11 @@ impl Poles {
         highest: f64,
         settled: impl Fn(&Krylov) -> bool,
     ) -> bool {
-        let (n, mass) = (matrices.n(), matrices.mass());
-        if let (Factors::Sparse(_, factors), Form::Sparse(mass)) = (matrices.factors(), mass)
-            && factors.symbolic().n_values() >= LARGE
+        let (n, mass) = (matrices.n(), &matrices.mass);
+        if let (Factors::Sparse(_, factors), Form::Sparse(mass)) = (&matrices.factors, mass)
+            && factors.symbolic.n_values() >= LARGE
         {
-            let part = |row: usize| matrices.structure().part(row);
+            let part = |row: usize| matrices.structure.part(row);
             let joined = |row: usize| part(row) == part(k);
             if self.space.grow_block((factors, mass), (k, joined), highest, n, &settled) {
                 return true;
@@ -305,72 +307,45 @@ impl Poles {
         }
         let mut load = vec![0.0; matrices.stride()];
         load[k] = 1.0;
-        let op = Operator { shifted: matrices.factors(), mass, outside: (&[], &[]) };
+        let op = Operator { shifted: &matrices.factors, mass, outside: (&[], &[]) };
         self.space.grow(op, (&load, start), highest, n, settled)
     }
 
     /// Largest s = x + σ for which the response is exact.
-    pub fn highest(&self) -> f64 {
+    fn highest(&self) -> f64 {
         (1.0 + MARGIN) * self.limit + self.sigma
     }
 
-    /// σ.
-    pub fn sigma(&self) -> f64 {
-        self.sigma
-    }
-
-    /// Eigenvalues below this are zero at working precision.
-    pub fn zero(&self) -> f64 {
-        self.zero
-    }
-
-    /// Appends the vector of pole `j` by rows, and M times it.
-    pub fn vector(&self, j: usize, mass: &Form, weighted: &mut Vec<f64>, vectors: &mut Vec<f64>) {
-        self.space.vector(j, mass, weighted, vectors);
-    }
-
-    /// For each pole up to the limit and its margin: whether it is a mode.
-    pub fn found(&self) -> &[bool] {
-        &self.found
-    }
-
     /// λ of all poles, ascending.
-    pub fn lambda(&self) -> impl Iterator<Item = f64> {
-        self.space.theta().iter().map(|&t| self.pole(t))
+    fn lambda(&self) -> impl Iterator<Item = f64> {
+        self.space.theta.iter().map(|&t| self.pole(t))
     }
 
     /// Number of modes with θ of at least `least`.
-    pub fn count(&self, least: f64) -> usize {
-        let poles = self.space.theta().iter().zip(&self.found);
+    fn count(&self, least: f64) -> usize {
+        let poles = self.space.theta.iter().zip(&self.found);
         poles.filter(|(t, f)| **t >= least && **f).count()
     }
 
     /// Eigenvalues of the modes, ascending.
-    pub fn modes(&self) -> Vec<f64> {
+    fn modes(&self) -> Vec<f64> {
         let modes = self.lambda().zip(&self.found).filter(|(_, f)| **f);
         modes.map(|(l, _)| l).collect()
     }
 
-    /// Vectors of the modes by rows, one after the other.
-    pub fn vectors(&mut self, matrices: &ScaledMatrices) -> &[f64] {
+    /// Vectors of some poles by rows, one after the other.
+    fn vectors(&mut self, matrices: &ScaledMatrices, poles: impl Iterator<Item = usize>) -> &[f64] {
         self.weighted.clear();
         self.vectors.clear();
-        for j in 0..self.found.len() {
-            if self.found[j] {
-                self.vector_of(matrices, j);
-            }
+        for j in poles {
+            self.space.vector(j, &matrices.mass, &mut self.weighted, &mut self.vectors);
         }
         &self.vectors
     }
 
-    fn vector_of(&mut self, matrices: &ScaledMatrices, j: usize) {
-        let (weighted, vectors) = (&mut self.weighted, &mut self.vectors);
-        self.space.vector(j, matrices.mass(), weighted, vectors);
-    }
-
     /// Rounding error of the poles near x: that of Θ.
-    pub fn error(&self, x: f64) -> f64 {
-        4.0 * f64::EPSILON * (x + self.sigma).powi(2) * self.space.theta()[0]
+    fn error(&self, x: f64) -> f64 {
+        4.0 * f64::EPSILON * (x + self.sigma).powi(2) * self.space.theta[0]
     }
 
     /// λ_j of a pole.
@@ -380,7 +355,7 @@ impl Poles {
 
     /// Tells the modes among the poles up to the limit.
     fn classify(&mut self, matrices: &ScaledMatrices) -> bool {
-        let theta = self.space.theta();
+        let theta = &self.space.theta;
         let least = self.highest().recip();
         let strongest = (0..theta.len()).map(|j| self.space.first(j)).fold(0.0, f64::max);
         self.found.clear();
@@ -398,20 +373,16 @@ impl Poles {
 
     /// How far one ulp in each entry of K and M can move the eigenvalue of pole `j`.
     fn ulps(&mut self, matrices: &ScaledMatrices, j: usize) -> f64 {
-        self.weighted.clear();
-        self.vectors.clear();
-        self.vector_of(matrices, j);
-        let lambda = self.pole(self.space.theta()[j]).abs();
-        let moved = matrices.stiffness().absolute_form(&self.vectors)
-            + lambda * matrices.mass().absolute_form(&self.vectors);
-        f64::EPSILON * moved
+        let lambda = self.pole(self.space.theta[j]).abs();
+        let v = self.vectors(matrices, std::iter::once(j));
+        f64::EPSILON * (matrices.stiffness.absolute_form(v) + lambda * matrices.mass.absolute_form(v))
     }
 
     /// Notes how near each pole may come to the one below and still be the same, repeated.
     fn tell_repeated(&mut self, matrices: &ScaledMatrices) {
         self.repeated.clear();
         for j in 0..self.found.len() {
-            let theta = self.space.theta();
+            let theta = &self.space.theta;
             let (s, largest) = (theta[j].recip(), theta[0]);
             let mut tolerance = REPEATED * f64::EPSILON * s * s * largest;
             if is_close(theta, j) {
@@ -423,17 +394,17 @@ impl Poles {
     }
 
     /// Forms the partial fractions between row `i` of `n` and the load; a root cancels on each pole of `hidden`.
-    pub fn form(&mut self, n: usize, i: usize, hidden: &[f64], h: &mut Receptance) {
+    fn form(&mut self, n: usize, i: usize, hidden: &[f64], h: &mut Receptance) {
         h.clear();
         let space = &self.space;
         space.row(i, &mut self.row);
-        let known = space.response(i);
+        let known = space.response[i];
         h.begin(self.sigma, known);
         let (mut size_i, mut size_k, mut modes) = (0.0_f64, 0.0_f64, 0);
         let top = (4.0 * (self.limit + self.sigma)).recip();
-        let largest_theta = space.theta()[0];
+        let largest_theta = space.theta[0];
         let mut floor = 0.0;
-        for (j, (&theta, &phi_i)) in space.theta().iter().zip(&self.row).enumerate() {
+        for (j, (&theta, &phi_i)) in space.theta.iter().zip(&self.row).enumerate() {
             let phi_k = space.strength(j);
             let rounding = j < self.found.len() && !self.found[j];
             if theta <= f64::EPSILON * largest_theta {
@@ -465,54 +436,34 @@ impl Poles {
         if error > h.residue_error {
             h.floor_error += error / self.sigma;
         }
-        h.is_zero &= known.abs() <= NOTHING * space.largest_response();
+        let largest = space.response.iter().fold(0.0, |m: f64, a| m.max(a.abs()));
+        h.is_zero &= known.abs() <= NOTHING * largest;
     }
-}
-
-/// In whose complement hidden modes are sought.
-pub(super) struct Outside<'a> {
-    /// With the factors of K + σM.
-    pub matrices: &'a ScaledMatrices,
-    /// The poles of the load.
-    pub poles: &'a Poles,
-    /// Only modes below this count.
-    pub cut: f64,
 }
 
 /// The hidden modes, with the memory to find them again.
 #[derive(Default)]
-pub(super) struct HiddenModes {
+struct HiddenModes {
     krylov: Krylov,
     lambda: Vec<f64>,
-    /// M v and v of the shown modes, then of the hidden ones; nothing where none is hidden.
+    /// M v and v of the shown modes, then of the hidden ones, by rows; nothing where none is hidden.
     weighted: Vec<f64>,
     vectors: Vec<f64>,
 }
 
 impl HiddenModes {
-    pub fn clear(&mut self) {
+    fn clear(&mut self) {
         self.lambda.clear();
         self.weighted.clear();
         self.vectors.clear();
     }
 
-    /// Their eigenvalues.
-    pub fn lambda(&self) -> &[f64] {
-        &self.lambda
-    }
-
-    /// Vectors of the shown modes, then of the hidden ones, by rows; empty where none is hidden.
-    pub fn vectors(&self) -> &[f64] {
-        &self.vectors
-    }
-
-    /// Finds `missing` modes; false where they do not come out as many.
-    pub fn find(&mut self, outside: &Outside<'_>, missing: usize) -> bool {
-        let Outside { matrices, poles, cut } = *outside;
-        let (mass, sigma) = (matrices.mass(), poles.sigma());
-        let shown = poles.found().iter().enumerate().filter(|(_, f)| **f);
-        for (j, _) in shown {
-            poles.vector(j, mass, &mut self.weighted, &mut self.vectors);
+    /// Finds the `missing` modes below `cut` in the complement of the poles of the load; `matrices` hold the factors of
+    /// K + σM. False where they do not come out as many.
+    fn find(&mut self, matrices: &ScaledMatrices, poles: &Poles, cut: f64, missing: usize) -> bool {
+        let (mass, sigma) = (&matrices.mass, poles.sigma);
+        for j in (0..poles.found.len()).filter(|&j| poles.found[j]) {
+            poles.space.vector(j, mass, &mut self.weighted, &mut self.vectors);
         }
         let least = (cut + sigma).recip();
         let mut random = pseudo_random();
@@ -522,13 +473,13 @@ impl HiddenModes {
             let mut start = vec![0.0; load.len()];
             mass.multiply(&load, &mut start);
             start[mass.n()..].fill(0.0);
-            let op = Operator { shifted: matrices.factors(), mass, outside: (&self.weighted, &self.vectors) };
+            let op = Operator { shifted: &matrices.factors, mass, outside: (&self.weighted, &self.vectors) };
             let (load, highest) = ((&start[..], Start::Response), poles.highest());
             if !self.krylov.grow(op, load, highest, mass.n(), |_| true) {
                 return false;
             }
             let before = self.lambda.len();
-            for (j, &t) in self.krylov.theta().iter().enumerate() {
+            for (j, &t) in self.krylov.theta.iter().enumerate() {
                 if t >= least && self.krylov.residual(j) <= FOUND * t {
                     self.lambda.push(t.recip() - sigma);
                     self.krylov.vector(j, mass, &mut self.weighted, &mut self.vectors);
@@ -556,7 +507,7 @@ const MIXTURE: f64 = 1e-8;
 
 /// Whether each pole with θ of at least `least` is a mode or rounding, and no two of them are mixed.
 fn settled(space: &Krylov, least: f64) -> bool {
-    let theta = space.theta();
+    let theta = &space.theta;
     let strongest = (0..theta.len()).fold(0.0, |m, j| f64::max(m, space.first(j)));
     let found = |j: usize| space.residual(j) <= FOUND * theta[j];
     let rounding = f64::EPSILON * theta[0];
@@ -577,7 +528,7 @@ fn is_close(theta: &[f64], j: usize) -> bool {
 
 /// How far θ of pole `j` and of the one before may be from those of the modes that the two stand for.
 fn uncertainty(space: &Krylov, j: usize) -> f64 {
-    let theta = space.theta();
+    let theta = &space.theta;
     let apart = |other: &&f64| (**other - theta[j]).abs() > CLOSE * theta[j];
     let (before, after) = theta.split_at(j);
     let others = [before.iter().rev().find(apart), after.iter().find(apart)];

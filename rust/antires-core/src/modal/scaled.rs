@@ -23,14 +23,21 @@ const FAR_STIFFER: f64 = 1e8;
 
 /// K̃ and M̃, with the memory for factors.
 pub struct ScaledMatrices {
-    structure: Arc<Structure>,
-    stiffness: Form,
-    mass: Form,
-    scale: Vec<f64>,
-    factors: Factors,
-    held: Option<Held>,
+    /// The ordering.
+    pub structure: Arc<Structure>,
+    /// K̃.
+    pub stiffness: Form,
+    /// M̃.
+    pub mass: Form,
+    /// The diagonal of S.
+    pub scale: Vec<f64>,
+    /// The factors last made: there is memory for one matrix only.
+    pub factors: Factors,
+    /// c of K̃ + cM̃ that the factors are of, and what they tell of it.
+    held: Option<(f64, Signs)>,
     largest_stiffness: f64,
-    counted: Option<Counted>,
+    /// Where and of what modes were counted last, and what came out.
+    counted: Option<((f64, Scope), Signs)>,
 }
 
 /// Whose modes count.
@@ -42,48 +49,26 @@ pub enum Scope {
     PartOf(usize),
 }
 
-/// Where modes were counted last, and what came out.
-#[derive(Clone, Copy)]
-struct Counted {
-    x: f64,
-    scope: Scope,
-    signs: Signs,
-}
-
-/// K̃ + cM̃ that the factors are of, and what they tell of it.
-#[derive(Clone, Copy)]
-struct Held {
-    c: f64,
-    signs: Signs,
-}
-
-/// Zero matrix of the form that a structure has.
-fn zero_form(structure: &Structure) -> Form {
-    match structure.layout() {
-        Layout::Sparse(layout) => Form::Sparse(SparseMatrix::new(Arc::clone(layout.symbolic.pattern()))),
-        _ => Form::Band(Banded::new(structure.n_dof(), structure.half())),
+/// Two zero matrices of the form that a structure has, and memory for factors.
+fn memory(structure: &Structure) -> (Form, Form, Factors) {
+    if let Layout::Sparse(layout) = &structure.layout {
+        let zero = SparseMatrix::new(Arc::clone(&layout.symbolic.pattern));
+        let factors = SparseFactors::new(Arc::clone(&layout.symbolic));
+        return (Form::Sparse(zero.clone()), Form::Sparse(zero.clone()), Factors::Sparse(zero, factors));
     }
-}
-
-/// Memory for factors in the form that a structure has.
-fn factors_for(structure: &Structure) -> Factors {
-    match (zero_form(structure), structure.layout()) {
-        (Form::Sparse(sum), Layout::Sparse(layout)) => {
-            Factors::Sparse(sum, SparseFactors::new(Arc::clone(&layout.symbolic)))
-        }
-        (Form::Band(band), _) => Factors::Band(band),
-        (Form::Sparse(_), _) => unreachable!("only a sparse layout makes a sparse form"),
-    }
+    let zero = Banded::new(structure.n_dof(), structure.half);
+    (Form::Band(zero.clone()), Form::Band(zero.clone()), Factors::Band(zero))
 }
 
 impl ScaledMatrices {
     /// Reserves the memory.
     pub fn new(structure: Arc<Structure>) -> Self {
+        let (stiffness, mass, factors) = memory(&structure);
         Self {
-            stiffness: zero_form(&structure),
-            mass: zero_form(&structure),
+            stiffness,
+            mass,
             scale: Vec::new(),
-            factors: factors_for(&structure),
+            factors,
             held: None,
             largest_stiffness: 0.0,
             counted: None,
@@ -96,7 +81,7 @@ impl ScaledMatrices {
         self.set_scale(k, m);
         let (structure, scale) = (&self.structure, &self.scale);
         for (form, matrix) in [(&mut self.stiffness, k), (&mut self.mass, m)] {
-            match (form, structure.layout()) {
+            match (form, &structure.layout) {
                 (Form::Band(band), Layout::Band(entries)) => {
                     band.clear();
                     for &(at, row, column) in entries {
@@ -106,10 +91,9 @@ impl ScaledMatrices {
                     }
                 }
                 (Form::Sparse(form), Layout::Sparse(layout)) => {
-                    let pattern = layout.symbolic.pattern();
+                    let pattern = &layout.symbolic.pattern;
                     for column in 0..pattern.n() {
-                        let places = pattern.starts()[column]..pattern.starts()[column + 1];
-                        for at in places {
+                        for at in pattern.places(column) {
                             let row = pattern.rows()[at] as usize;
                             let value = matrix.values[layout.origin[at] as usize];
                             form.values[at] = value * scale[row] * scale[column];
@@ -160,11 +144,6 @@ impl ScaledMatrices {
         moving.fold(0.0, f64::max)
     }
 
-    /// The ordering.
-    pub fn structure(&self) -> &Structure {
-        &self.structure
-    }
-
     /// Number of rows.
     pub fn n(&self) -> usize {
         self.mass.n()
@@ -173,21 +152,6 @@ impl ScaledMatrices {
     /// Length of the vectors that [`solve`](Self::solve) takes: the rows and some zeros.
     pub fn stride(&self) -> usize {
         self.mass.n() + self.mass.padding()
-    }
-
-    /// K̃.
-    pub fn stiffness(&self) -> &Form {
-        &self.stiffness
-    }
-
-    /// M̃.
-    pub fn mass(&self) -> &Form {
-        &self.mass
-    }
-
-    /// The diagonal of S.
-    pub fn scale(&self) -> &[f64] {
-        &self.scale
     }
 
     /// Whether it is certain that all directions have a mass; of sparse matrices it is not asked.
@@ -204,8 +168,8 @@ impl ScaledMatrices {
 
     /// Number of eigenvalues below `x`, and by how much rounding may have shifted x in it.
     pub fn count_below(&mut self, x: f64, scope: Scope) -> (usize, f64) {
-        let known = self.counted.filter(|c| c.x == x && c.scope == scope);
-        let signs = if let Some(Counted { signs, .. }) = known {
+        let known = self.counted.filter(|(of, _)| *of == (x, scope));
+        let signs = if let Some((_, signs)) = known {
             signs
         } else {
             let mut signs = self.hold(-x);
@@ -213,7 +177,7 @@ impl ScaledMatrices {
                 let part = |row| self.structure.part(row);
                 signs.negative = self.factors.negative_in(|row| part(row) == part(of));
             }
-            self.counted = Some(Counted { x, scope, signs });
+            self.counted = Some(((x, scope), signs));
             signs
         };
         let error = f64::EPSILON * self.largest_stiffness * signs.growth.max(1.0);
@@ -222,11 +186,11 @@ impl ScaledMatrices {
 
     /// Factorizes K̃ + cM̃, unless the factors are those.
     fn hold(&mut self, c: f64) -> Signs {
-        if let Some(Held { signs, .. }) = self.held.filter(|held| held.c == c) {
+        if let Some((_, signs)) = self.held.filter(|(of, _)| *of == c) {
             return signs;
         }
         let signs = self.factors.factorize(&self.stiffness, c, &self.mass, None);
-        self.held = Some(Held { c, signs });
+        self.held = Some((c, signs));
         signs
     }
 
@@ -234,11 +198,6 @@ impl ScaledMatrices {
     pub fn shift(&mut self, sigma: f64) -> bool {
         let signs = self.hold(sigma);
         signs.negative == 0 && signs.growth.is_finite()
-    }
-
-    /// The factors last made: there is memory for one matrix only.
-    pub fn factors(&self) -> &Factors {
-        &self.factors
     }
 
     /// Factorizes K̃ − xM̃; returns the growth of the factors.

@@ -13,9 +13,9 @@
 
 use super::minor::{Each, MinorSeries};
 use super::scaled::ScaledMatrices;
-use crate::linalg::krylov::ProjectOut;
+use crate::linalg::krylov::project_out;
 use crate::linalg::symmetric::SmallSymmetric;
-use crate::linalg::wide::{self, dot};
+use crate::linalg::wide::dot;
 
 /// What is left of the response, relative to all of it, when the space is large enough; and at which parts of s.
 const NEGLIGIBLE: f64 = 1e-16;
@@ -84,7 +84,7 @@ impl SeveralForces {
             w[row] = 1.0;
             matrices.solve(&mut w);
             self.columns.extend_from_slice(&w);
-            matrices.mass().multiply(&w, &mut weighted);
+            matrices.mass.multiply(&w, &mut weighted);
             weighted[self.n..].fill(0.0);
             sizes.push(dot(&w, &weighted).sqrt());
             w.copy_from_slice(&weighted);
@@ -122,16 +122,11 @@ impl SeveralForces {
         let before = dot(w, w);
         let mut parts = Vec::with_capacity(count + 1);
         for _ in 0..2 {
-            wide::run(ProjectOut {
-                w,
-                weighted: &self.weighted,
-                vectors: &self.basis,
-                coefficients: &mut parts,
-            });
+            project_out(w, &self.weighted, &self.basis, &mut parts);
             coefficients.iter_mut().zip(&parts).for_each(|(all, part)| *all += part);
         }
         let mut weighted = vec![0.0; stride];
-        matrices.mass().multiply(w, &mut weighted);
+        matrices.mass.multiply(w, &mut weighted);
         weighted[self.n..].fill(0.0);
         let size = dot(w, &weighted).sqrt();
         if size > 0.0 && dot(w, w).sqrt() > INVARIANT * before.sqrt() && count < self.n {
@@ -257,7 +252,7 @@ impl SeveralForces {
         series.begin(rows.len(), self.n, Some(self.sigma), self.limit);
         for (i, &row) in rows.iter().enumerate() {
             for (k, u) in self.columns.chunks_exact(self.stride).enumerate() {
-                series.set_constant(i, k, u[row]);
+                series.constant[i][k] = u[row];
             }
         }
         let mut parts: Vec<(f64, Each, Each)> = Vec::new();

@@ -42,8 +42,10 @@ impl Solutions {
 
 /// K and M with the solutions made of them so far.
 pub struct Solved<'a> {
-    stiffness: &'a SparseMatrix,
-    mass: &'a SparseMatrix,
+    /// K (N/m).
+    pub stiffness: &'a SparseMatrix,
+    /// M (kg).
+    pub mass: &'a SparseMatrix,
     memory: &'a mut Solutions,
     /// Whether the memory holds these matrices.
     reduced_is_current: bool,
@@ -51,16 +53,6 @@ pub struct Solved<'a> {
 }
 
 impl Solved<'_> {
-    /// K (N/m).
-    pub fn stiffness(&self) -> &SparseMatrix {
-        self.stiffness
-    }
-
-    /// M (kg).
-    pub fn mass(&self) -> &SparseMatrix {
-        self.mass
-    }
-
     /// Number of dofs.
     pub fn n_dof(&self) -> usize {
         self.stiffness.n()

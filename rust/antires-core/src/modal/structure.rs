@@ -65,8 +65,10 @@ pub struct SparseLayout {
 pub struct Structure {
     order: Vec<usize>,
     place: Vec<usize>,
-    half: usize,
-    layout: Layout,
+    /// Number of diagonals of a band below the main one.
+    pub half: usize,
+    /// How K and M are held.
+    pub layout: Layout,
     /// For each row the number of the part of the structure, joined in itself and to no other, that it is in.
     parts: Vec<u32>,
     /// Degree of each determinant, of small structures.
@@ -82,8 +84,7 @@ impl Structure {
 
     fn ordered(pattern: &Pattern, kept: &impl Fn(usize) -> bool) -> Self {
         let n = pattern.n();
-        let column = |j: usize| pattern.starts()[j]..pattern.starts()[j + 1];
-        let entries = |j: usize| column(j).filter(|&at| kept(at));
+        let entries = |j: usize| pattern.places(j).filter(|&at| kept(at));
         let row = |at: usize| pattern.rows()[at];
         let band = (n <= MOST_BAND).then(|| {
             let others = |j: usize| entries(j).map(row).filter(move |&i| i as usize != j);
@@ -118,15 +119,15 @@ impl Structure {
         let Some(symbolic) = Symbolic::new(&reduced) else {
             return dense();
         };
-        let cost = SPARSE_COST * symbolic.flops();
+        let cost = SPARSE_COST * symbolic.flops;
         if n <= SMALL && cost > DENSE_COST * (n as f64).powi(3) {
             return dense();
         }
         match band {
             Some(band) if slender(band.2) && n as f64 * (band.2 as f64).powi(2) <= cost => by_band(band),
             _ => {
-                let order = symbolic.order().to_vec();
-                let origin = symbolic.origin().iter();
+                let order = symbolic.order.clone();
+                let origin = symbolic.origin.iter();
                 let origin = origin.map(|&at| kept_places[at] as u32).collect();
                 let symbolic = Arc::new(symbolic);
                 Self::laid_out(order, 0, Layout::Sparse(SparseLayout { symbolic, origin }))
@@ -149,7 +150,7 @@ impl Structure {
             self.parts[self.place[seed]] = count;
             pending.push(seed);
             while let Some(dof) = pending.pop() {
-                for (at, &other) in (pattern.starts()[dof]..).zip(pattern.column(dof)) {
+                for (at, &other) in pattern.places(dof).zip(pattern.column(dof)) {
                     let part = &mut self.parts[self.place[other as usize]];
                     if *part == u32::MAX && kept(at) {
                         *part = count;
@@ -175,7 +176,7 @@ impl Structure {
         let structure = if n <= SMALL || parameters.iter().any(|p| p.quantity.forms_anew()) {
             Self::new(pattern, |_| true)
         } else {
-            let mut kept = vec![false; pattern.len()];
+            let mut kept = vec![false; pattern.n_places()];
             for ((matrix, terms), places) in sides().into_iter().zip(&*model.places()) {
                 for (kept, value) in kept.iter_mut().zip(&matrix.values) {
                     *kept |= *value != 0.0;
@@ -219,11 +220,6 @@ impl Structure {
         !matches!(self.layout, Layout::Dense)
     }
 
-    /// How K and M are held.
-    pub fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
     /// Number of dofs.
     pub fn n_dof(&self) -> usize {
         self.order.len()
@@ -232,11 +228,6 @@ impl Structure {
     /// Number of the part that a row is in.
     pub fn part(&self, row: usize) -> u32 {
         self.parts[row]
-    }
-
-    /// Number of diagonals of a band below the main one.
-    pub fn half(&self) -> usize {
-        self.half
     }
 
     /// Dof in row `row` of the ordering.

@@ -200,7 +200,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
     }
 
     fn all_wait(&self) -> bool {
-        self.islands.iter().all(Island::waiting)
+        self.islands.iter().all(|island| island.waiting)
     }
 
     /// The islands' bests agree, or are exchanged when it is time to.
@@ -239,7 +239,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
 
     fn propose(&mut self) {
         let ledger = &self.ledger;
-        for island in self.islands.iter_mut().filter(|island| !island.waiting()) {
+        for island in self.islands.iter_mut().filter(|island| !island.waiting) {
             island.propose(&self.habitat, &|x| ledger.repair(x));
         }
     }
@@ -249,8 +249,8 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
     /// After an interrupt the generation is discarded, but what it did evaluate may be the best.
     fn evaluate(&mut self, hooks: &mut Hooks<'_>) -> Result<ControlFlow<Interrupt>, E::Fault> {
         self.batch.clear();
-        for island in self.islands.iter().filter(|island| !island.waiting()) {
-            for &i in island.pending() {
+        for island in self.islands.iter().filter(|island| !island.waiting) {
+            for &i in &island.pending {
                 self.batch.extend_from_slice(island.candidate(i));
             }
         }
@@ -259,8 +259,8 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
             return Ok(flow);
         }
         let mut costs = &self.costs[..];
-        for island in self.islands.iter_mut().filter(|island| !island.waiting()) {
-            let (own, others) = costs.split_at(island.pending().len().min(costs.len()));
+        for island in self.islands.iter_mut().filter(|island| !island.waiting) {
+            let (own, others) = costs.split_at(island.pending.len().min(costs.len()));
             island.accept(own, self.habitat.options);
             costs = others;
         }

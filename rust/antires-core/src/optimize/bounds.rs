@@ -137,24 +137,6 @@ mod tests {
     }
 
     #[test]
-    fn a_fixed_gene_is_allowed_and_stays() {
-        let bounds = Bounds::new(vec![0.5, -1.0], vec![0.5, 1.0]).unwrap();
-        let mut x = [0.0, 0.0];
-        bounds.draw(&mut Rng::new(3, 0), &mut x);
-        assert_eq!(x[0], 0.5);
-        assert!(bounds.contain(&x));
-        assert!(!bounds.contain(&[0.6, 0.0]) && !bounds.contain(&[0.5]));
-    }
-
-    #[test]
-    fn clipping_moves_to_the_nearer_bound() {
-        let bounds = Bounds::uniform(3, -1.0, 2.0).unwrap();
-        let mut x = [-3.0, 0.5, 9.0];
-        bounds.clip(&mut x);
-        assert_eq!(x, [-1.0, 0.5, 2.0]);
-    }
-
-    #[test]
     fn guesses_are_checked_gene_by_gene() {
         let bounds = Bounds::uniform(2, 0.0, 1.0).unwrap();
         assert!(bounds.check_guesses(&[vec![0.0, 1.0]]).is_ok());

@@ -1,29 +1,24 @@
-//! Local descent from a candidate: by linearization, or by compass search.
-//!
-//! # local
-//!
-//! The descent on the continuous genes that an objective allows: [`descent`] where it can be linearized, else
-//! [`compass`].
+//! Local descent on the continuous genes: by linearization, or by compass search.
 //!
 //! # descent
 //!
-//! Descent on the continuous genes: sequential linear (or quadratic) programming with a trust region.
+//! Where the objective can be linearized: sequential linear (or quadratic) programming with a trust region.
 //!
 //! Each iteration minimizes the linear model of the residuals over the part of the box within a radius
-//! of the point ([`step`](crate::optimize::descent)); the radius grows where the model foretold the gain and shrinks
+//! of the point ([`Subproblem`]); the radius grows where the model foretold the gain and shrinks
 //! where it did not. A sparse gene at its lower bound stays there. Several descents run in step, so that
 //! their evaluations form one batch.
 //!
 //! From a point far off, where many sparse genes are raised, the sum of absolute residuals and its prices have local
-//! minima everywhere. `relax` first descends on Σ e² of all genes, sparse ones at rest among them, without prices: a
-//! smooth problem that leads near the optimum from most starts.
+//! minima everywhere. A *relaxed* descent goes first, on Σ e² of all genes, sparse ones at rest among them, without
+//! prices: a smooth problem that leads near the optimum from most starts.
 //!
 //! R. Fletcher & E. Sainz de la Maza, Nonlinear programming and nonsmooth optimization by successive
 //! linear programming, Math. Program. 43 (1989) 235-256.
 //!
 //! # compass
 //!
-//! Descent without derivatives: compass search, for objectives that only know their value.
+//! For objectives that only know their value.
 //!
 //! From the point, one step up and one down along every gene are evaluated as one batch; the best of
 //! them, and the sum of all that gained, are where the search goes on; where none gains, the steps halve.
@@ -32,15 +27,7 @@
 //!
 //! # subproblem
 //!
-//! The subproblem of a descent: the norm of linear residuals and a price, over a box.
-//!
-//! ```text
-//! min_d  Σ |e_i + (A d)_i| + cᵀ d    or    Σ (e_i + (A d)_i)² + cᵀ d,        low <= d <= high
-//! ```
-//!
-//! # step
-//!
-//! The step of a descent: the residuals' linear model minimized over a box.
+//! The step of a descent: the norm of linear residuals and a price, over a box.
 //!
 //! ```text
 //! min_d  Σ |e_i + (A d)_i| + cᵀ d    or    Σ (e_i + (A d)_i)² + cᵀ d,        low <= d <= high
@@ -59,10 +46,6 @@
 //!
 //! S. Portnoy & R. Koenker, The Gaussian hare and the Laplacian tortoise, Statist. Sci. 12 (1997) 279-300;
 //! S. Mehrotra, SIAM J. Optim. 2 (1992) 575-601.
-//!
-//! # cholesky
-//!
-//! Cholesky factor of a small dense matrix, A = L Lᵀ: a step has as many unknowns as there are genes.
 
 use super::bounds::Bounds;
 use super::objective::{Composition, Evaluator, Ledger, Linearization, Norm, Stop};
@@ -73,9 +56,9 @@ const SAME: f64 = 1e-6;
 
 /// A candidate and its cost.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::optimize) struct Point {
-    pub(in crate::optimize) x: Vec<f64>,
-    pub(in crate::optimize) cost: f64,
+pub(super) struct Point {
+    pub(super) x: Vec<f64>,
+    pub(super) cost: f64,
 }
 
 impl Point {
@@ -99,8 +82,6 @@ pub(super) fn same(bounds: &Bounds, a: &[f64], b: &[f64]) -> bool {
     (0..a.len()).all(|i| (a[i] - b[i]).abs() <= SAME * (upper[i] - lower[i]))
 }
 
-// ---- local
-
 /// More raised sparse genes than these are far off.
 const FEW: usize = 3;
 
@@ -109,6 +90,10 @@ const NEGLIGIBLE: f64 = 0.02;
 
 /// Most steps of one descent.
 pub(super) const MOST_STEPS: usize = 60;
+
+/// First and least step of a compass search, as fractions of each gene's range.
+const FIRST_STEP: f64 = 1.0 / 16.0;
+const LEAST_STEP: f64 = 1e-7;
 
 /// How an objective is composed, and what may be spent on a point.
 pub(super) struct LocalSearch {
@@ -127,14 +112,13 @@ impl LocalSearch {
         hooks: &mut Hooks<'_>,
     ) -> Result<(), Stop<E::Fault>> {
         if let Some(norm) = self.composition.norm {
-            return descend(points, norm, &self.composition, most_steps, ledger, hooks);
+            return self.bring_down(points, Goal::Cost(norm), most_steps, ledger, hooks);
         }
-        let limits = (most_steps, self.allowance);
-        points.iter_mut().try_for_each(|point| compass(point, &self.composition, limits, ledger, hooks))
+        points.iter_mut().try_for_each(|point| self.compass(point, most_steps, ledger, hooks))
     }
 
     /// From far off, where more than [`FEW`] sparse genes are raised, each point goes to what a
-    /// [relaxed](descent::relax) descent, a threshold and a descent on the rest lead to, where that is better.
+    /// relaxed descent, a threshold and a descent on the rest lead to, where that is better.
     pub(super) fn approach<E: Evaluator>(
         &self,
         points: &mut [Point],
@@ -148,7 +132,7 @@ impl LocalSearch {
         let far: Vec<usize> =
             (0..points.len()).filter(|&i| self.raised(&points[i].x, lower).len() > FEW).collect();
         let mut trials: Vec<Point> = far.iter().map(|&i| points[i].clone()).collect();
-        relax(&mut trials, &self.composition, ledger, hooks)?;
+        self.bring_down(&mut trials, Goal::Squares, SQUARES_STEPS, ledger, hooks)?;
         for trial in &mut trials {
             for gene in self.raised(&trial.x, lower) {
                 if trial.x[gene] - lower[gene] < NEGLIGIBLE * (upper[gene] - lower[gene]) {
@@ -158,7 +142,7 @@ impl LocalSearch {
             // Known as soon as the descent linearizes there.
             trial.cost = f64::INFINITY;
         }
-        descend(&mut trials, norm, &self.composition, MOST_STEPS, ledger, hooks)?;
+        self.bring_down(&mut trials, Goal::Cost(norm), MOST_STEPS, ledger, hooks)?;
         for (&i, trial) in far.iter().zip(&trials) {
             points[i].take(&trial.x, trial.cost);
         }
@@ -168,6 +152,102 @@ impl LocalSearch {
     /// Sparse genes above their lower bound.
     pub(super) fn raised(&self, x: &[f64], lower: &[f64]) -> Vec<usize> {
         (0..x.len()).filter(|&gene| self.composition.sparse[gene] && x[gene] > lower[gene]).collect()
+    }
+
+    /// Brings each of `points` down with at most `most_steps` steps: none gets worse in J, where that is the goal; for
+    /// squares each goes to where they are small, whatever J is there.
+    fn bring_down<E: Evaluator>(
+        &self,
+        points: &mut [Point],
+        goal: Goal,
+        most_steps: usize,
+        ledger: &mut Ledger<'_, E>,
+        hooks: &mut Hooks<'_>,
+    ) -> Result<(), Stop<E::Fault>> {
+        let batch: Vec<f64> = points.iter().flat_map(|point| point.x.clone()).collect();
+        let found = ledger.linearizations(&batch, hooks)?;
+        let mut descents: Vec<Descent> =
+            points.iter().zip(found).map(|(point, here)| Descent::new(point, here)).collect();
+        for _ in 0..most_steps {
+            for descent in &mut descents {
+                descent.propose(goal, &self.composition, ledger);
+            }
+            let batch: Vec<f64> = descents
+                .iter()
+                .filter(|descent| !descent.done)
+                .flat_map(|descent| descent.trial.clone())
+                .collect();
+            if batch.is_empty() {
+                break;
+            }
+            let mut found = ledger.linearizations(&batch, hooks)?.into_iter();
+            for (descent, point) in descents.iter_mut().zip(points.iter_mut()) {
+                if descent.done {
+                    continue;
+                }
+                descent.accept(goal, found.next().flatten());
+                match goal {
+                    Goal::Cost(_) => point.take(&descent.x, descent.here.cost),
+                    Goal::Squares => point.settle(&descent.x, descent.here.cost),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings `point` down without derivatives; it never gets worse.
+    fn compass<E: Evaluator>(
+        &self,
+        point: &mut Point,
+        most_steps: usize,
+        ledger: &mut Ledger<'_, E>,
+        hooks: &mut Hooks<'_>,
+    ) -> Result<(), Stop<E::Fault>> {
+        let end = ledger.evaluations.saturating_add(self.allowance);
+        let (lower, upper) = (ledger.bounds.lower(), ledger.bounds.upper());
+        let free: Vec<usize> = (0..point.x.len())
+            .filter(|&gene| {
+                upper[gene] > lower[gene] && !(self.composition.sparse[gene] && point.x[gene] == lower[gene])
+            })
+            .collect();
+        let n = point.x.len();
+        let (mut batch, mut costs) = (Vec::new(), Vec::new());
+        let mut size = FIRST_STEP;
+        for _ in 0..most_steps {
+            if size < LEAST_STEP || ledger.evaluations >= end || free.is_empty() {
+                break;
+            }
+            batch.clear();
+            for &gene in &free {
+                for sign in [1.0, -1.0] {
+                    let mut trial = point.x.clone();
+                    trial[gene] += sign * size * (upper[gene] - lower[gene]);
+                    ledger.repair(&mut trial);
+                    batch.extend(trial);
+                }
+            }
+            ledger.all_costs(&batch, &mut costs, hooks)?;
+            let before = point.clone();
+            let mut together = point.x.clone();
+            let mut gained = 0;
+            for (row, &cost) in batch.chunks_exact(n).zip(&costs) {
+                if cost < before.cost {
+                    gained += 1;
+                    for (sum, (there, here)) in together.iter_mut().zip(row.iter().zip(&before.x)) {
+                        *sum += there - here;
+                    }
+                }
+                point.take(row, cost);
+            }
+            if gained == 0 {
+                size *= 0.5;
+            } else if gained > 1 {
+                ledger.repair(&mut together);
+                ledger.all_costs(&together, &mut costs, hooks)?;
+                point.take(&together, costs[0]);
+            }
+        }
+        Ok(())
     }
 }
 
@@ -216,69 +296,6 @@ struct Descent {
     trial: Vec<f64>,
     foretold: f64,
     done: bool,
-}
-
-/// Brings each of `points` down to a local minimum, with at most `most_steps` steps; none gets worse.
-pub(super) fn descend<E: Evaluator>(
-    points: &mut [Point],
-    norm: Norm,
-    composition: &Composition,
-    most_steps: usize,
-    ledger: &mut Ledger<'_, E>,
-    hooks: &mut Hooks<'_>,
-) -> Result<(), Stop<E::Fault>> {
-    let goal = Goal::Cost(norm);
-    bring_down(points, goal, composition, most_steps, ledger, hooks)
-}
-
-/// Moves each of `points` to where Σ e² is small, whatever J is there.
-pub(super) fn relax<E: Evaluator>(
-    points: &mut [Point],
-    composition: &Composition,
-    ledger: &mut Ledger<'_, E>,
-    hooks: &mut Hooks<'_>,
-) -> Result<(), Stop<E::Fault>> {
-    let goal = Goal::Squares;
-    bring_down(points, goal, composition, SQUARES_STEPS, ledger, hooks)
-}
-
-fn bring_down<E: Evaluator>(
-    points: &mut [Point],
-    goal: Goal,
-    composition: &Composition,
-    most_steps: usize,
-    ledger: &mut Ledger<'_, E>,
-    hooks: &mut Hooks<'_>,
-) -> Result<(), Stop<E::Fault>> {
-    let batch: Vec<f64> = points.iter().flat_map(|point| point.x.clone()).collect();
-    let found = ledger.linearizations(&batch, hooks)?;
-    let mut descents: Vec<Descent> =
-        points.iter().zip(found).map(|(point, here)| Descent::new(point, here)).collect();
-    for _ in 0..most_steps {
-        for descent in &mut descents {
-            descent.propose(goal, composition, ledger);
-        }
-        let batch: Vec<f64> = descents
-            .iter()
-            .filter(|descent| !descent.done)
-            .flat_map(|descent| descent.trial.clone())
-            .collect();
-        if batch.is_empty() {
-            break;
-        }
-        let mut found = ledger.linearizations(&batch, hooks)?.into_iter();
-        for (descent, point) in descents.iter_mut().zip(points.iter_mut()) {
-            if descent.done {
-                continue;
-            }
-            descent.accept(goal, found.next().flatten());
-            match goal {
-                Goal::Cost(_) => point.take(&descent.x, descent.here.cost),
-                Goal::Squares => point.settle(&descent.x, descent.here.cost),
-            }
-        }
-    }
-    Ok(())
 }
 
 impl Descent {
@@ -368,68 +385,6 @@ impl Descent {
     }
 }
 
-// ---- compass
-
-/// First and least step, as fractions of each gene's range.
-const FIRST_STEP: f64 = 1.0 / 16.0;
-const LEAST_STEP: f64 = 1e-7;
-
-/// Brings `point` down, with at most `limits` steps and about so many evaluations; it never
-/// gets worse.
-pub(super) fn compass<E: Evaluator>(
-    point: &mut Point,
-    composition: &Composition,
-    limits: (usize, usize),
-    ledger: &mut Ledger<'_, E>,
-    hooks: &mut Hooks<'_>,
-) -> Result<(), Stop<E::Fault>> {
-    let end = ledger.evaluations.saturating_add(limits.1);
-    let (lower, upper) = (ledger.bounds.lower(), ledger.bounds.upper());
-    let free: Vec<usize> = (0..point.x.len())
-        .filter(|&gene| {
-            upper[gene] > lower[gene] && !(composition.sparse[gene] && point.x[gene] == lower[gene])
-        })
-        .collect();
-    let n = point.x.len();
-    let (mut batch, mut costs) = (Vec::new(), Vec::new());
-    let mut size = FIRST_STEP;
-    for _ in 0..limits.0 {
-        if size < LEAST_STEP || ledger.evaluations >= end || free.is_empty() {
-            break;
-        }
-        batch.clear();
-        for &gene in &free {
-            for sign in [1.0, -1.0] {
-                let mut trial = point.x.clone();
-                trial[gene] += sign * size * (upper[gene] - lower[gene]);
-                ledger.repair(&mut trial);
-                batch.extend(trial);
-            }
-        }
-        ledger.all_costs(&batch, &mut costs, hooks)?;
-        let before = point.clone();
-        let mut together = point.x.clone();
-        let mut gained = 0;
-        for (row, &cost) in batch.chunks_exact(n).zip(&costs) {
-            if cost < before.cost {
-                gained += 1;
-                for (sum, (there, here)) in together.iter_mut().zip(row.iter().zip(&before.x)) {
-                    *sum += there - here;
-                }
-            }
-            point.take(row, cost);
-        }
-        if gained == 0 {
-            size *= 0.5;
-        } else if gained > 1 {
-            ledger.repair(&mut together);
-            ledger.all_costs(&together, &mut costs, hooks)?;
-            point.take(&together, costs[0]);
-        }
-    }
-    Ok(())
-}
-
 // ---- subproblem
 
 /// The model and its box.
@@ -483,8 +438,6 @@ impl Subproblem<'_> {
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
-
-// ---- step
 
 /// Most iterations; some 15 are typical.
 const MOST_ITERATIONS: usize = 50;
@@ -704,8 +657,6 @@ impl Iterate {
         }
     }
 }
-
-// ---- cholesky
 
 /// L of a positive definite matrix L Lᵀ, row by row.
 pub(super) struct Factor {

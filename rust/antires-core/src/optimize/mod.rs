@@ -52,8 +52,7 @@ pub use archipelago::{minimize, minimize_objective};
 pub use bounds::Bounds;
 pub use crossover::Crossover;
 pub use objective::{
-    Candidates, Composition, Evaluator, Linearization, Norm, Objective, ObjectiveEvaluator, Workers,
-    evaluate_many, parallel_map,
+    Candidates, Composition, Evaluator, Linearization, Norm, Objective, ObjectiveEvaluator, evaluate_many,
 };
 pub use options::{Agreement, IslandOptions};
 pub use outcome::{

@@ -406,46 +406,25 @@ impl<O: Objective> Evaluator for ObjectiveEvaluator<'_, O> {
     }
 }
 
-/// `task(i, workspace)` for every `i < n`, in order, computed on `threads` threads of its own.
+/// What `question` finds of every candidate, in order, computed on `threads` threads of its own; of costs what the
+/// objective returns: neither repaired before nor replaced after, so a `NaN` stays a `NaN`.
 ///
-/// The values are the same bits for any number of threads, provided that a task does not depend on
-/// what an earlier one left in its workspace. Breaks with the interrupt that `should_stop` returned.
-pub fn parallel_map<W: Send, T: Send>(
-    n: usize,
-    threads: usize,
-    workspace: impl FnMut() -> W,
-    task: impl Fn(usize, &mut W) -> T + Sync,
-    should_stop: &mut dyn FnMut() -> Option<Interrupt>,
-) -> Result<ControlFlow<Interrupt, Vec<T>>> {
-    let workers = Workers::new(threads)?;
-    let mut workspaces = Vec::new();
-    workspaces.resize_with(threads.min(n), workspace);
-    let mut slots: Vec<Option<T>> = Vec::new();
-    slots.resize_with(n, || None);
-    let flow = workers.run(&mut workspaces, n, &task, should_stop, |i, value| {
-        slots[i] = Some(value);
-    });
-    Ok(match flow {
-        ControlFlow::Continue(()) => ControlFlow::Continue(slots.into_iter().flatten().collect()),
-        ControlFlow::Break(interrupt) => ControlFlow::Break(interrupt),
-    })
-}
-
-/// The cost of every candidate, in order, as the objective returned it: neither repaired before nor
-/// replaced after, so a `NaN` stays a `NaN`.
-pub fn evaluate_many<O: Objective>(
+/// The values are the same bits for any number of threads. Breaks with the interrupt that `should_stop` returned.
+pub fn evaluate_many<O: Objective, T: Send>(
     objective: &O,
     candidates: Candidates<'_>,
     threads: usize,
+    question: impl Fn(&O, &[f64], &mut O::Workspace) -> T + Sync,
     should_stop: &mut dyn FnMut() -> Option<Interrupt>,
-) -> Result<ControlFlow<Interrupt, Vec<f64>>> {
-    parallel_map(
-        candidates.len(),
-        threads,
-        || objective.workspace(),
-        |i, workspace| objective.cost(candidates.row(i), workspace),
-        should_stop,
-    )
+) -> Result<ControlFlow<Interrupt, Vec<T>>> {
+    let mut evaluator = ObjectiveEvaluator::new(objective, threads.min(candidates.len().max(1)))?;
+    let mut answers: Vec<Option<T>> = Vec::new();
+    answers.resize_with(candidates.len(), || None);
+    let ask = |o: &O, x: &[f64], ws: &mut O::Workspace| Some(question(o, x, ws));
+    Ok(match evaluator.each(ask, candidates, &mut answers, should_stop) {
+        ControlFlow::Continue(()) => ControlFlow::Continue(answers.into_iter().flatten().collect()),
+        ControlFlow::Break(interrupt) => ControlFlow::Break(interrupt),
+    })
 }
 
 // ---- ledger
@@ -599,13 +578,25 @@ mod tests {
         None
     }
 
+    /// What `at` makes of each of the first `n` numbers.
+    fn each_of<T: Send>(
+        n: u32,
+        threads: usize,
+        at: impl Fn(f64) -> T + Sync,
+        stop: &mut dyn FnMut() -> Option<Interrupt>,
+    ) -> ControlFlow<Interrupt, Vec<T>> {
+        let numbers: Vec<f64> = (0..n).map(f64::from).collect();
+        let objective = |_: &[f64]| f64::NAN;
+        evaluate_many(&objective, Candidates::new(&numbers, 1), threads, |_, x, ()| at(x[0]), stop).unwrap()
+    }
+
     #[test]
     fn a_map_keeps_the_order_for_any_number_of_threads() {
         for threads in [1, 2, 3, 8] {
             for n in [0, 1, 2, 100] {
-                let flow = parallel_map(n, threads, || (), |i, ()| i * i, &mut never).unwrap();
-                let expected: Vec<_> = (0..n).map(|i| i * i).collect();
-                assert_eq!(flow, ControlFlow::Continue(expected), "{threads} threads");
+                let expected: Vec<_> = (0..n).map(|i| f64::from(i * i)).collect();
+                let found = each_of(n, threads, |x| x * x, &mut never);
+                assert_eq!(found, ControlFlow::Continue(expected), "{threads} threads");
             }
         }
     }
@@ -629,17 +620,11 @@ mod tests {
                 (polls > 2).then_some(Interrupt::User)
             };
             let done = AtomicUsize::new(0);
-            let flow = parallel_map(
-                10_000,
-                threads,
-                || (),
-                |_, ()| {
-                    std::thread::sleep(Duration::from_millis(2));
-                    done.fetch_add(1, Ordering::Relaxed);
-                },
-                &mut stop,
-            );
-            assert_eq!(flow.unwrap(), ControlFlow::Break(Interrupt::User));
+            let slow = |_| {
+                std::thread::sleep(Duration::from_millis(2));
+                done.fetch_add(1, Ordering::Relaxed);
+            };
+            assert_eq!(each_of(10_000, threads, slow, &mut stop), ControlFlow::Break(Interrupt::User));
             // Two polls are 40 ms at most, 20 tasks a thread; ten times that for a busy machine.
             let done = done.into_inner();
             assert!((1..400).contains(&done), "{done} tasks on {threads} threads");
@@ -650,7 +635,7 @@ mod tests {
     fn a_panic_reaches_the_caller_instead_of_hanging() {
         for threads in [1, 2] {
             let caught = std::panic::catch_unwind(|| {
-                parallel_map(50, threads, || (), |i, ()| assert!(i != 30, "task thirty"), &mut never)
+                each_of(50, threads, |x| assert!(x != 30.0, "task thirty"), &mut never)
             });
             let payload = caught.unwrap_err();
             let text = payload.downcast_ref::<&str>();
@@ -667,14 +652,9 @@ mod tests {
     #[test]
     fn many_evaluations_return_raw_costs() {
         let objective = |x: &[f64]| if x[0] < 0.0 { f64::NAN } else { x[0] + x[1] };
-        let xs = [1.0, 2.0, -1.0, 0.0, 0.25, 0.5];
-        for threads in [1, 2] {
-            let flow = evaluate_many(&objective, Candidates::new(&xs, 2), threads, &mut never);
-            let ControlFlow::Continue(costs) = flow.unwrap() else {
-                panic!("nothing interrupts");
-            };
-            assert_eq!((costs[0], costs[2]), (3.0, 0.75));
-            assert!(costs[1].is_nan());
-        }
+        let xs = Candidates::new(&[1.0, 2.0, -1.0, 0.0, 0.25, 0.5], 2);
+        let costs = evaluate_many(&objective, xs, 1, Objective::cost, &mut never).unwrap();
+        let costs = costs.continue_value().unwrap();
+        assert!((costs[0], costs[2]) == (3.0, 0.75) && costs[1].is_nan());
     }
 }

@@ -3,7 +3,6 @@
 use super::crossover::Crossover;
 use super::population::Population;
 use crate::error::Error;
-use crate::rng::RngState;
 
 /// Why a caller's hook asks the search to stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -165,56 +164,17 @@ impl Hooks<'_> {
     }
 }
 
-/// How the search went: a record per generation, the initial populations' first.
+/// How the search went: a record per generation, the initial populations' first; none where that was interrupted.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct History {
-    pub(super) n_islands: usize,
-    pub(super) evaluations: Vec<usize>,
-    pub(super) best_costs: Vec<f64>,
-    pub(super) migrations: Vec<usize>,
-}
-
-impl History {
-    /// The number of records: generations + 1, or 0 where the initial one was interrupted.
-    pub fn len(&self) -> usize {
-        self.evaluations.len()
-    }
-
-    /// Whether there is no record.
-    pub fn is_empty(&self) -> bool {
-        self.evaluations.is_empty()
-    }
-
     /// The number of islands.
-    pub fn n_islands(&self) -> usize {
-        self.n_islands
-    }
-
+    pub n_islands: usize,
     /// Evaluations up to and with each generation.
-    pub fn evaluations(&self) -> &[usize] {
-        &self.evaluations
-    }
-
+    pub evaluations: Vec<usize>,
     /// Each generation's lowest cost per island: a row per generation, a column per island.
-    pub fn best_costs(&self) -> &[f64] {
-        &self.best_costs
-    }
-
-    /// The islands' lowest costs at record `generation`.
-    pub fn islands(&self, generation: usize) -> &[f64] {
-        &self.best_costs[generation * self.n_islands..][..self.n_islands]
-    }
-
-    /// The lowest cost of all islands at record `generation`; it never rises with it.
-    pub fn best(&self, generation: usize) -> f64 {
-        let islands = self.islands(generation).iter();
-        islands.copied().fold(f64::INFINITY, f64::min)
-    }
-
+    pub best_costs: Vec<f64>,
     /// The generation after which each migration took place.
-    pub fn migrations(&self) -> &[usize] {
-        &self.migrations
-    }
+    pub migrations: Vec<usize>,
 }
 
 /// An island at the end of the search.
@@ -226,8 +186,6 @@ pub struct FinalIsland {
     pub state: IslandState,
     /// Its individuals and their costs.
     pub population: Population,
-    /// Where its random stream stands: behind the last generation proposed, completed or not.
-    pub rng: RngState,
 }
 
 /// The result of a search.
@@ -334,18 +292,5 @@ mod tests {
         assert!(late.starts_with(Status::Agreed.message()) && late.contains("not all"));
         let budget = Status::MaxEvaluations;
         assert_eq!(outcome(budget, 0, true).message(), budget.message());
-    }
-
-    #[test]
-    fn a_history_is_read_by_generation() {
-        let history = History {
-            n_islands: 2,
-            evaluations: vec![10, 18],
-            best_costs: vec![3.0, 4.0, 3.0, 2.0],
-            migrations: vec![1],
-        };
-        assert_eq!(history.len(), 2);
-        assert_eq!(history.islands(1), [3.0, 2.0]);
-        assert_eq!((history.best(0), history.best(1)), (3.0, 2.0));
     }
 }

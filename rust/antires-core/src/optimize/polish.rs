@@ -225,11 +225,7 @@ impl Moves {
         let mut bases: Vec<Vec<f64>> = Vec::new();
         let raised = local.raised(&point.x, lower);
         if raised.len() > path.fewest() {
-            for gene in raised {
-                let mut base = point.x.clone();
-                base[gene] = lower[gene];
-                bases.push(base);
-            }
+            bases.extend(raised.iter().map(|&gene| without(&point.x, gene, lower)));
         }
         bases.push(point.x.clone());
         for base in bases {
@@ -290,6 +286,13 @@ impl Moves {
     }
 }
 
+/// `x` with one gene put to rest.
+fn without(x: &[f64], gene: usize, lower: &[f64]) -> Vec<f64> {
+    let mut rest = x.to_vec();
+    rest[gene] = lower[gene];
+    rest
+}
+
 /// `base` with each sparse gene at rest raised to the best of a few sizes.
 fn additions<E: Evaluator>(
     local: &LocalSearch,
@@ -339,12 +342,7 @@ pub(super) fn prune<E: Evaluator>(
         if most == 0 {
             return Ok(());
         }
-        let mut batch = Vec::new();
-        for &gene in &raised {
-            let mut trial = point.x.clone();
-            trial[gene] = lower[gene];
-            batch.extend(trial);
-        }
+        let mut batch: Vec<f64> = raised.iter().flat_map(|&gene| without(&point.x, gene, lower)).collect();
         ledger.all_costs(&batch, &mut costs, hooks)?;
         let before = point.cost;
         let mut trial = point.x.clone();

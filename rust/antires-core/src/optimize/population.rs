@@ -17,8 +17,10 @@ use super::bounds::Bounds;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Population {
     n_genes: usize,
-    genes: Vec<f64>,
-    costs: Vec<f64>,
+    /// All genes, individual after individual.
+    pub genes: Vec<f64>,
+    /// All costs; `+inf` where never evaluated, or not finite.
+    pub costs: Vec<f64>,
 }
 
 impl Population {
@@ -29,29 +31,14 @@ impl Population {
 
     /// Passes genes and costs.
     pub(super) fn pass(&mut self, tape: &mut Tape<'_>) {
-        tape.same(self.len() as u64);
+        tape.same(self.size() as u64);
         tape.floats(&mut self.genes);
         tape.floats(&mut self.costs);
     }
 
     /// The number of individuals, `P`.
-    pub fn len(&self) -> usize {
+    pub fn size(&self) -> usize {
         self.costs.len()
-    }
-
-    /// Whether there is no individual.
-    pub fn is_empty(&self) -> bool {
-        self.costs.is_empty()
-    }
-
-    /// All genes, individual after individual.
-    pub fn genes(&self) -> &[f64] {
-        &self.genes
-    }
-
-    /// All costs; `+inf` where never evaluated, or not finite.
-    pub fn costs(&self) -> &[f64] {
-        &self.costs
     }
 
     /// The genes of individual `i`.
@@ -69,7 +56,7 @@ impl Population {
     /// The individual of the lowest cost; of several the first.
     pub fn best(&self) -> usize {
         let mut best = 0;
-        for i in 1..self.len() {
+        for i in 1..self.size() {
             if self.costs[i] < self.costs[best] {
                 best = i;
             }
@@ -80,7 +67,7 @@ impl Population {
     /// The individual of the highest cost; of several the last.
     pub(super) fn worst(&self) -> usize {
         let mut worst = 0;
-        for i in 1..self.len() {
+        for i in 1..self.size() {
             if self.costs[i] >= self.costs[worst] {
                 worst = i;
             }
@@ -91,7 +78,7 @@ impl Population {
     /// Writes the individuals' indices to `ranking`, best first.
     pub(super) fn rank(&self, ranking: &mut Vec<usize>) {
         ranking.clear();
-        ranking.extend(0..self.len());
+        ranking.extend(0..self.size());
         ranking.sort_unstable_by(|&i, &j| self.compare(i, j));
     }
 
@@ -225,14 +212,5 @@ mod tests {
         population.rank(&mut ranking);
         assert_eq!(ranking, [1, 3, 0, 2, 4]);
         assert_eq!((population.best(), population.worst()), (1, 4));
-    }
-
-    #[test]
-    fn rows_are_where_they_were_put() {
-        let mut population = population(&[0.0, 1.0, 2.0]);
-        assert_eq!(population.row(2), [2.0, 20.0]);
-        let (first, second) = population.pair_mut(1);
-        assert_eq!((&*first, &*second), (&[1.0, 10.0][..], &[2.0, 20.0][..]));
-        assert_eq!(population.genes(), [0.0, 0.0, 1.0, 10.0, 2.0, 20.0]);
     }
 }

@@ -1,13 +1,9 @@
-//! The values of a test, seen from one point of the severities.
-//!
-//! # expected
-//!
-//! The roots as they are expected in the measured structure at some severities.
+//! The values of a test and the roots expected in the measured structure, seen from one point of the severities.
 
 use std::ops::Range;
 
 use super::tables::{Entry, Places, SIDE, Tables, Test, factorize, gram, row, whiten_rows, whitened};
-use crate::linalg::wide::{NullaryFnOnce, dot, run};
+use crate::linalg::wide::{dot, widest};
 use crate::update::alignment::{self, associate};
 
 /// Error of a change in the association, share of it that all changes have in common, and by how much all
@@ -42,7 +38,7 @@ pub struct Look {
 }
 
 /// Root of each value, and what those without a partner cost.
-fn associated(test: &Test<'_>, roots: &Foreseen, sigma: &[f64], wider: f64) -> (Vec<i64>, f64) {
+fn associated(test: &Test, roots: &Foreseen, sigma: &[f64], wider: f64) -> (Vec<i64>, f64) {
     let prices: Vec<_> = roots.place.iter().zip(&roots.seen).map(|(&p, &s)| test.prices(p, s)).collect();
     let alone_root: Vec<f64> = prices.iter().map(|(missed, present)| missed - present).collect();
     let sigma: Vec<f64> = sigma.iter().map(|s| wider * s).collect();
@@ -103,7 +99,7 @@ fn moved_out(vectors: &mut [Vec<f64>], n: usize) -> f64 {
 
 /// ln of the probability of the values by each way and error, and the most probable of them.
 fn probable(
-    test: &Test<'_>,
+    test: &Test,
     a: &[Entry],
     white: &[Entry],
     white_sides: &[Vec<Entry>],
@@ -135,7 +131,7 @@ fn probable(
 /// Slopes by `columns` at severities where `room` is 1 − β of each.
 fn judged(
     t: &Tables<'_>,
-    test: &Test<'_>,
+    test: &Test,
     at: &Places,
     roots: &Foreseen,
     (partner, price): (Vec<i64>, f64),
@@ -230,7 +226,7 @@ fn judged(
 }
 
 /// The most probable of the ways to associate values and roots, with slopes by the severities of `columns`.
-pub fn look(t: &Tables<'_>, test: &Test<'_>, at: &Places, columns: &[usize]) -> Look {
+pub fn look(t: &Tables<'_>, test: &Test, at: &Places, columns: &[usize]) -> Look {
     let roots = foreseen(t, test, at);
     let own = variances(t, &roots);
     let room: Vec<f64> = columns
@@ -295,7 +291,7 @@ pub struct Foreseen {
 }
 
 /// The roots near the band, ascending by response and place.
-pub fn foreseen(t: &Tables<'_>, test: &Test<'_>, at: &Places) -> Foreseen {
+pub fn foreseen(t: &Tables<'_>, test: &Test, at: &Places) -> Foreseen {
     let mut shown: Vec<(usize, f64, bool)> = Vec::with_capacity(t.size());
     for k in 0..t.size() {
         let gone = t.seen[k] && !at.there[k];
@@ -342,31 +338,22 @@ pub fn foreseen(t: &Tables<'_>, test: &Test<'_>, at: &Places) -> Foreseen {
     }
 }
 
-struct Spread<'a> {
-    rows: &'a [f64],
-    q: usize,
-    which: &'a [usize],
-}
-
-impl NullaryFnOnce for Spread<'_> {
-    type Output = Vec<f64>;
-
+widest!(
     /// Lower triangle of products of rows.
-    #[inline(always)]
-    fn call(self) -> Vec<f64> {
-        let own = |k: usize| &self.rows[self.which[k] * self.q..][..self.q];
-        let mut found = Vec::with_capacity(row(self.which.len()));
-        for i in 0..self.which.len() {
+    fn spread(rows: &[f64], q: usize, which: &[usize]) -> Vec<f64> {
+        let own = |k: usize| &rows[which[k] * q..][..q];
+        let mut found = Vec::with_capacity(row(which.len()));
+        for i in 0..which.len() {
             for j in 0..=i {
                 found.push(dot(own(i), own(j)));
             }
         }
         found
     }
-}
+);
 
 /// Lower triangle of the covariance of some of the roots that are shown, without what is measured.
-pub fn covariance(t: &Tables<'_>, test: &Test<'_>, roots: &Foreseen, which: &[usize]) -> Vec<f64> {
+pub fn covariance(t: &Tables<'_>, test: &Test, roots: &Foreseen, which: &[usize]) -> Vec<f64> {
     let mut found = if roots.rows.is_empty() {
         let mut found = Vec::with_capacity(row(which.len()));
         for i in 0..which.len() {
@@ -377,7 +364,7 @@ pub fn covariance(t: &Tables<'_>, test: &Test<'_>, roots: &Foreseen, which: &[us
         }
         found
     } else {
-        run(Spread { rows: &roots.rows, q: t.q, which })
+        spread(&roots.rows, t.q, which)
     };
     let alike = |k: usize| if roots.gone[k] { 0.0 } else { test.common };
     for i in 0..which.len() {
@@ -391,24 +378,17 @@ pub fn covariance(t: &Tables<'_>, test: &Test<'_>, roots: &Foreseen, which: &[us
     found
 }
 
-struct Variances<'a> {
-    rows: &'a [f64],
-    q: usize,
-}
-
-impl NullaryFnOnce for Variances<'_> {
-    type Output = Vec<f64>;
-
-    #[inline(always)]
-    fn call(self) -> Vec<f64> {
-        self.rows.chunks_exact(self.q).map(|own| dot(own, own)).collect()
+widest!(
+    /// Squared length of each row.
+    fn squares(rows: &[f64], q: usize) -> Vec<f64> {
+        rows.chunks_exact(q).map(|own| dot(own, own)).collect()
     }
-}
+);
 
 /// Variance of every root that is shown, by the errors of the model alone.
 pub fn variances(t: &Tables<'_>, roots: &Foreseen) -> Vec<f64> {
     if !roots.rows.is_empty() {
-        return run(Variances { rows: &roots.rows, q: t.q });
+        return squares(&roots.rows, t.q);
     }
     let size = t.size();
     let one = |(&k, &gone)| if gone { 0.0 } else { t.spread[k * size + k] };

@@ -1,15 +1,11 @@
-//! Each value with the nearest root: which severities are worth a closer look.
-//!
-//! # settle
-//!
-//! The most probable severities of sets of elements, and their evidence.
+//! Each value with the nearest root: which severities are worth a closer look, and where sets settle.
 
 use std::ops::Range;
 
 use super::evidence::{Evidence, FURTHEST, evidence};
 use super::look::look;
 use super::tables::{Places, Tables, Test, mixed};
-use crate::linalg::wide::{NullaryFnOnce, run};
+use crate::linalg::wide::widest;
 
 /// Further from every root than this (ln f) a value counts as unexplained.
 const FAR: f64 = 0.2;
@@ -31,7 +27,7 @@ pub struct Left {
 }
 
 /// Variance of each value about the root that is nearest without damage.
-pub fn variances(t: &Tables<'_>, test: &Test<'_>) -> Vec<f64> {
+pub fn variances(t: &Tables<'_>, test: &Test) -> Vec<f64> {
     let start = Places::new(t, &[], &[]);
     (0..test.log_f.len())
         .map(|i| {
@@ -60,33 +56,28 @@ fn nearest(t: &Tables<'_>, at: &Places, response: i64, log_f: f64) -> Option<usi
 /// Levels side by side.
 const BLOCK: usize = 8;
 
-struct Scan<'a> {
-    log_f: &'a [f64],
-    weight: &'a [f64],
-    groups: &'a [(&'a [usize], Range<usize>)],
-    places: &'a [[f64; BLOCK]],
-}
-
-impl NullaryFnOnce for Scan<'_> {
-    type Output = ([f64; BLOCK], [f64; BLOCK]);
-
+widest!(
     /// Sums of distances and misfits at each level.
-    #[inline(always)]
-    fn call(self) -> Self::Output {
+    fn scan(
+        log_f: &[f64],
+        weight: &[f64],
+        groups: &[(&[usize], Range<usize>)],
+        places: &[[f64; BLOCK]],
+    ) -> ([f64; BLOCK], [f64; BLOCK]) {
         let (mut distance, mut misfit) = ([0.0; BLOCK], [0.0; BLOCK]);
         let (mut product, mut factors) = ([1.0_f64; BLOCK], 0);
-        for (own, roots) in self.groups {
+        for (own, roots) in groups {
             for &i in *own {
                 let mut least = [FAR; BLOCK];
-                for place in &self.places[roots.clone()] {
+                for place in &places[roots.clone()] {
                     for l in 0..BLOCK {
-                        let apart = (place[l] - self.log_f[i]).abs();
+                        let apart = (place[l] - log_f[i]).abs();
                         least[l] = if apart < least[l] { apart } else { least[l] };
                     }
                 }
                 for l in 0..BLOCK {
                     distance[l] += least[l];
-                    product[l] *= 1.0 + least[l] * least[l] * self.weight[i];
+                    product[l] *= 1.0 + least[l] * least[l] * weight[i];
                 }
                 factors += 1;
                 if factors == FACTORS {
@@ -102,10 +93,10 @@ impl NullaryFnOnce for Scan<'_> {
         }
         (distance, misfit)
     }
-}
+);
 
 /// All severities of one more element tried, the others as they are.
-pub fn scanned(t: &Tables<'_>, test: &Test<'_>, at: &Places, further: &[usize], variance: &[f64]) -> Left {
+pub fn scanned(t: &Tables<'_>, test: &Test, at: &Places, further: &[usize], variance: &[f64]) -> Left {
     let (levels, size) = (t.levels.len(), t.size());
     let weight: Vec<f64> = variance.iter().map(|v| 1.0 / (FREEDOM * v)).collect();
     let none = vec![f64::INFINITY; further.len() * levels];
@@ -142,8 +133,7 @@ pub fn scanned(t: &Tables<'_>, test: &Test<'_>, at: &Places, further: &[usize], 
                     }
                 }
             }
-            let (distance, misfit) =
-                run(Scan { log_f: test.log_f, weight: &weight, groups: &groups, places: &places });
+            let (distance, misfit) = scan(&test.log_f, &weight, &groups, &places);
             let own = nth * levels + first;
             left.distance[own..own + count].copy_from_slice(&distance[..count]);
             left.misfit[own..own + count].copy_from_slice(&misfit[..count]);
@@ -155,7 +145,7 @@ pub fn scanned(t: &Tables<'_>, test: &Test<'_>, at: &Places, further: &[usize], 
 /// Severities that explain more, by a few steps with weights that a false value hardly has; and what is left.
 pub fn refined(
     t: &Tables<'_>,
-    test: &Test<'_>,
+    test: &Test,
     elements: &[usize],
     u: &[f64],
     (steps, outside): (usize, f64),
@@ -236,7 +226,7 @@ pub struct Settled {
 /// Newton steps from `u` until they are shorter than `rests`, by at most `looks`.
 pub fn settled(
     t: &Tables<'_>,
-    test: &Test<'_>,
+    test: &Test,
     elements: &[usize],
     u: &[f64],
     (looks, rests): (usize, f64),

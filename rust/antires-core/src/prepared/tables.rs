@@ -1,18 +1,7 @@
-//! The tables, as they are handed over.
-//!
-//! # values
-//!
-//! A test: its values, their errors, and what roots without values cost.
-//!
-//! # places
-//!
-//! The roots at any severities of a few elements, between the levels.
-//!
-//! # factor
-//!
-//! Cholesky factors of several matrices side by side, packed by rows.
+//! Tables and a test as they are handed over; the roots at any severities of a few elements, between the levels of the
+//! tables; Cholesky factors of several matrices side by side, packed by rows.
 
-use crate::linalg::wide::{NullaryFnOnce, run};
+use crate::linalg::wide::widest;
 
 /// Roots (r) at levels (l) of u of each element (n), and of cracks behind them, (k) in all; arrays are row-major.
 #[derive(Clone, Copy, Debug)]
@@ -124,29 +113,29 @@ const LEAST_BAND: f64 = 0.1;
 pub type Error = [f64; 6];
 
 /// What may come with any damage.
-#[derive(Clone, Copy, Debug)]
-pub struct Together<'a> {
+#[derive(Clone, Debug)]
+pub struct Together {
     /// Standard deviation of a change of all values alike, ln f.
     pub alike: f64,
     /// Changes of ln stiffness that heat makes, (k, n), of standard deviation 1 each.
-    pub heat: &'a [f64],
+    pub heat: Vec<f64>,
     /// Beside so many damaged elements heat is not looked at.
     pub many: usize,
 }
 
 /// Values of a test, ascending within each response of each set.
-#[derive(Clone, Copy, Debug)]
-pub struct Test<'a> {
+#[derive(Clone, Debug)]
+pub struct Test {
     /// Response of each.
-    pub response: &'a [i64],
+    pub response: Vec<i64>,
     /// ln f.
-    pub log_f: &'a [f64],
+    pub log_f: Vec<f64>,
     /// Relative standard deviations.
-    pub std: &'a [f64],
+    pub std: Vec<f64>,
     /// Number of the set, ascending.
-    pub set: &'a [i64],
+    pub set: Vec<i64>,
     /// By response: in how many sets it was measured.
-    pub times: &'a [f64],
+    pub times: Vec<f64>,
     /// The band, ln f.
     pub low: f64,
     /// Its upper end.
@@ -156,12 +145,12 @@ pub struct Test<'a> {
     /// The same of what moves each by itself.
     pub extra: f64,
     /// At most [`SIDE`].
-    pub errors: &'a [Error],
+    pub errors: Vec<Error>,
     /// Changes of all.
-    pub together: Together<'a>,
+    pub together: Together,
 }
 
-impl Test<'_> {
+impl Test {
     /// In how many sets a response was measured.
     pub fn measured(&self, response: i64) -> f64 {
         let nth = usize::try_from(response).unwrap_or(usize::MAX);
@@ -363,18 +352,11 @@ pub const fn row(i: usize) -> usize {
     i * (i + 1) / 2
 }
 
-struct Factors<'a> {
-    a: &'a mut [Entry],
-    size: usize,
-}
-
-impl NullaryFnOnce for Factors<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        for i in 0..self.size {
-            let (above, here) = self.a.split_at_mut(row(i));
+widest!(
+    /// L of L Lᵀ = A for all matrices, in place.
+    pub fn factorize(a: &mut [Entry], size: usize) {
+        for i in 0..size {
+            let (above, here) = a.split_at_mut(row(i));
             for j in 0..=i {
                 let mut sum = here[j];
                 if j < i {
@@ -401,12 +383,7 @@ impl NullaryFnOnce for Factors<'_> {
             }
         }
     }
-}
-
-/// L of L Lᵀ = A for all matrices, in place.
-pub fn factorize(a: &mut [Entry], size: usize) {
-    run(Factors { a, size });
-}
+);
 
 /// L⁻¹ b for all of them.
 pub fn whitened(factors: &[Entry], b: &[f64]) -> Vec<Entry> {
@@ -427,56 +404,32 @@ pub fn whitened(factors: &[Entry], b: &[f64]) -> Vec<Entry> {
     white
 }
 
-struct Solve<'a> {
-    factors: &'a [Entry],
-    which: usize,
-    rows: &'a mut [f64],
-    width: usize,
-}
-
-impl NullaryFnOnce for Solve<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let size = self.rows.len() / self.width;
+widest!(
+    /// L⁻¹ B of one of the matrices, rows of `width` columns, in place.
+    pub fn whiten_rows(factors: &[Entry], which: usize, rows: &mut [f64], width: usize) {
+        let size = rows.len() / width.max(1);
         for i in 0..size {
-            let (before, rest) = self.rows.split_at_mut(i * self.width);
-            let own = &mut rest[..self.width];
-            for (k, other) in before.chunks_exact(self.width).enumerate() {
-                let c = self.factors[row(i) + k][self.which];
+            let (before, rest) = rows.split_at_mut(i * width);
+            let own = &mut rest[..width];
+            for (k, other) in before.chunks_exact(width).enumerate() {
+                let c = factors[row(i) + k][which];
                 for (x, y) in own.iter_mut().zip(other) {
                     *x -= c * y;
                 }
             }
-            let over = 1.0 / self.factors[row(i) + i][self.which];
+            let over = 1.0 / factors[row(i) + i][which];
             for x in own.iter_mut() {
                 *x *= over;
             }
         }
     }
-}
+);
 
-/// L⁻¹ B of one of the matrices, rows of `width` columns, in place.
-pub fn whiten_rows(factors: &[Entry], which: usize, rows: &mut [f64], width: usize) {
-    if width > 0 {
-        run(Solve { factors, which, rows, width });
-    }
-}
-
-struct Gram<'a> {
-    rows: &'a [f64],
-    width: usize,
-}
-
-impl NullaryFnOnce for Gram<'_> {
-    type Output = Vec<f64>;
-
-    #[inline(always)]
-    fn call(self) -> Vec<f64> {
-        let n = self.width;
+widest!(
+    /// BᵀB of rows of `n` columns.
+    pub fn gram(rows: &[f64], n: usize) -> Vec<f64> {
         let mut found = vec![0.0; n * n];
-        for row in self.rows.chunks_exact(n) {
+        for row in rows.chunks_exact(n.max(1)) {
             for (i, &c) in row.iter().enumerate() {
                 for (x, y) in found[i * n..i * n + n].iter_mut().zip(row) {
                     *x += c * y;
@@ -485,15 +438,7 @@ impl NullaryFnOnce for Gram<'_> {
         }
         found
     }
-}
-
-/// BᵀB of rows of `width` columns.
-pub fn gram(rows: &[f64], width: usize) -> Vec<f64> {
-    if width == 0 {
-        return Vec::new();
-    }
-    run(Gram { rows, width })
-}
+);
 
 #[cfg(test)]
 mod tests {

@@ -35,7 +35,6 @@
 //!
 //! [`LowModes::adjoint`]: crate::modal::modes::LowModes::adjoint
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use super::objective::BAND_MARGIN;
@@ -49,8 +48,7 @@ use crate::modal::mac::{ModeSensitivity, Shape};
 use crate::modal::modes::{LowModes, eigenvalue, hertz};
 use crate::modal::solved::{Solutions, Solved};
 use crate::modal::structure::Structure;
-use crate::optimize::Interrupt;
-use crate::optimize::{Candidates, Composition, Linearization, Objective, parallel_map};
+use crate::optimize::{Composition, Linearization, Objective};
 
 /// One measured mode.
 #[derive(Debug, Clone)]
@@ -63,7 +61,8 @@ pub struct MeasuredMode {
 
 /// J(x) for one model, one parameter set and one set of measured modes.
 pub struct ModalObjective {
-    unknowns: Unknowns,
+    /// The model and what may change in it.
+    pub unknowns: Unknowns,
     measured: Vec<MeasuredMode>,
     misfit: Misfit,
     weights: Vec<f64>,
@@ -79,9 +78,9 @@ pub struct ModalWorkspace {
 }
 
 /// The model at one x with its modes.
-pub(super) struct FormedModes<'a> {
-    pub solved: Solved<'a>,
-    pub modes: &'a mut LowModes,
+struct FormedModes<'a> {
+    solved: Solved<'a>,
+    modes: &'a mut LowModes,
 }
 
 impl ModalWorkspace {
@@ -137,19 +136,17 @@ impl ModalObjective {
         })
     }
 
-    /// The same objective with both residuals of mode m, e and 1 − MAC, multiplied by `weights[m]`.
+    /// The same objective with both residuals of mode m, e and 1 − MAC, multiplied by `weights[m]`, by one
+    /// without any.
     ///
     /// # Errors
     /// [`Error::InvalidInput`] when there is not one finite, not negative weight for each mode, or all are
     /// zero.
-    pub fn with_weights(mut self, weights: Vec<f64>) -> Result<Self> {
-        self.weights = checked_weights(weights, self.measured.len())?;
+    pub fn with_weights(mut self, weights: Option<Vec<f64>>) -> Result<Self> {
+        if let Some(weights) = weights {
+            self.weights = checked_weights(weights, self.weights.len())?;
+        }
         Ok(self)
-    }
-
-    /// The model and what may change in it.
-    pub fn unknowns(&self) -> &Unknowns {
-        &self.unknowns
     }
 
     /// The partner of each measured mode; its shape is that of the workspace's modes.
@@ -157,24 +154,15 @@ impl ModalObjective {
         self.pairs_of(&mut self.form(x, ws))
     }
 
-    /// New working memory.
-    pub(super) fn memory(&self) -> ModalWorkspace {
-        ModalWorkspace {
-            assembly: Assembly::new(&self.unknowns.model),
-            solutions: Solutions::new(&self.structure),
-            modes: LowModes::default(),
-        }
-    }
-
     /// K(x) and M(x).
-    pub(super) fn form<'a>(&self, x: &[f64], ws: &'a mut ModalWorkspace) -> FormedModes<'a> {
+    fn form<'a>(&self, x: &[f64], ws: &'a mut ModalWorkspace) -> FormedModes<'a> {
         let ModalWorkspace { assembly, solutions, modes } = ws;
         assembly.form(&self.unknowns.model, &self.unknowns.parameters, x);
         FormedModes { solved: solutions.of(&assembly.stiffness, &assembly.mass), modes }
     }
 
     /// [`pairs`](Self::pairs) of a model that is formed.
-    pub(super) fn pairs_of(&self, formed: &mut FormedModes<'_>) -> Result<Vec<Option<Partner>>> {
+    fn pairs_of(&self, formed: &mut FormedModes<'_>) -> Result<Vec<Option<Partner>>> {
         self.find_modes(formed)?;
         let modes = &*formed.modes;
         Ok(self
@@ -183,29 +171,19 @@ impl ModalObjective {
             .map(|mode| {
                 let mac = |r: usize| mode.shape.mac(modes.space(r), self.structure.n_dof());
                 let measured = eigenvalue(mode.freq_hz);
-                least_apart(modes.eigenvalues(), modes.zero(), measured, mac)
+                least_apart(&modes.lambda, modes.zero, measured, mac)
             })
             .collect())
     }
 
     /// The modes up to 1.5 times the highest measured frequency.
-    pub(super) fn find_modes(&self, formed: &mut FormedModes<'_>) -> Result<()> {
+    fn find_modes(&self, formed: &mut FormedModes<'_>) -> Result<()> {
         let start = self.measured[0].shape.dofs()[0];
         formed.modes.find(&mut formed.solved, self.limit, start)
     }
 
-    /// Norm of the frequency residuals.
-    pub(super) fn misfit(&self) -> Misfit {
-        self.misfit
-    }
-
-    /// Each measured mode with its weight.
-    pub(super) fn measured(&self) -> impl Iterator<Item = (&MeasuredMode, f64)> {
-        self.measured.iter().zip(self.weights.iter().copied())
-    }
-
     /// e and 1 − MAC of measured mode `m`, weighted.
-    pub(super) fn residuals(&self, m: usize, partner: Option<Partner>) -> (f64, f64) {
+    fn residuals(&self, m: usize, partner: Option<Partner>) -> (f64, f64) {
         let (e, shape) = partner.map_or((UNPAIRED, UNPAIRED), |partner| {
             let e = partner.lambda / eigenvalue(self.measured[m].freq_hz) - 1.0;
             (e, 1.0 - partner.mac)
@@ -214,21 +192,10 @@ impl ModalObjective {
     }
 
     /// J of those residuals at parameter values that are already snapped.
-    pub(super) fn total(&self, residuals: &[(f64, f64)], snapped: &[f64]) -> f64 {
+    fn total(&self, residuals: &[(f64, f64)], snapped: &[f64]) -> f64 {
         let frequencies = residuals.iter().fold(0.0, |total, (e, _)| self.misfit.add(total, *e));
         let shapes: f64 = residuals.iter().map(|(_, shape)| shape * shape).sum();
         frequencies + shapes + self.unknowns.penalty_at(snapped)
-    }
-
-    /// J(x). Where the eigenproblem fails, every measured mode counts as unpaired, so that J stays finite
-    /// for every x in bounds.
-    pub(super) fn value(&self, x: &[f64], ws: &mut ModalWorkspace) -> f64 {
-        let snapped = self.unknowns.snapped(x);
-        let pairs = self.pairs(&snapped, ws);
-        let pairs = pairs.unwrap_or_else(|_| vec![None; self.measured.len()]);
-        let residuals: Vec<(f64, f64)> =
-            pairs.into_iter().enumerate().map(|(m, partner)| self.residuals(m, partner)).collect();
-        self.total(&residuals, &snapped)
     }
 }
 
@@ -238,34 +205,45 @@ impl Objective for ModalObjective {
     type Workspace = ModalWorkspace;
 
     fn workspace(&self) -> ModalWorkspace {
-        self.memory()
+        ModalWorkspace {
+            assembly: Assembly::new(&self.unknowns.model),
+            solutions: Solutions::new(&self.structure),
+            modes: LowModes::default(),
+        }
     }
 
+    /// J(x). Where the eigenproblem fails, every measured mode counts as unpaired, so that J stays finite
+    /// for every x in bounds.
     fn cost(&self, x: &[f64], ws: &mut ModalWorkspace) -> f64 {
-        self.value(x, ws)
+        let snapped = self.unknowns.snapped(x);
+        let pairs = self.pairs(&snapped, ws);
+        let pairs = pairs.unwrap_or_else(|_| vec![None; self.measured.len()]);
+        let residuals: Vec<(f64, f64)> =
+            pairs.into_iter().enumerate().map(|(m, partner)| self.residuals(m, partner)).collect();
+        self.total(&residuals, &snapped)
     }
 
     fn composition(&self) -> Option<Composition> {
-        Some(self.unknowns().composition(self.misfit().norm()))
+        Some(self.unknowns.composition(self.misfit.norm()))
     }
 
     /// J, its residuals, two for each measured mode, and their derivatives; `None` where the eigenproblem
     /// fails.
     fn linearize(&self, x: &[f64], ws: &mut ModalWorkspace) -> Option<Linearization> {
-        let snapped = self.unknowns().snapped(x);
+        let snapped = self.unknowns.snapped(x);
         let mut formed = self.form(&snapped, ws);
         let pairs = self.pairs_of(&mut formed).ok()?;
-        let slopes = self.unknowns().slopes(&snapped);
+        let slopes = self.unknowns.slopes(&snapped);
         let (m, n) = (pairs.len(), slopes.len());
         let mut found =
             Linearization { cost: 0.0, residuals: Vec::with_capacity(2 * m), jacobian: vec![0.0; 2 * m * n] };
         let mut both = Vec::with_capacity(m);
         let mut mode = ModeSensitivity::default();
-        for (nth, ((measured, weight), partner)) in self.measured().zip(pairs).enumerate() {
+        for (nth, (measured, partner)) in self.measured.iter().zip(pairs).enumerate() {
             let (e, s) = self.residuals(nth, partner);
             both.push((e, s));
             // The residual that the norm knows, and its slope along s.
-            let (shape, along) = match self.misfit() {
+            let (shape, along) = match self.misfit {
                 Misfit::Squared => (s, 1.0),
                 Misfit::Absolute | Misfit::Largest => (s * s, 2.0 * s),
             };
@@ -278,8 +256,8 @@ impl Objective for ModalObjective {
                 let (lambda, mac) = mode.along(slopes);
                 // Two modes all but repeated: the descent must not follow what is no number.
                 let finite = |slope: f64| if slope.is_finite() { slope } else { 0.0 };
-                rows.0[index] = finite(weight * lambda / eigenvalue(measured.freq_hz));
-                rows.1[index] = finite(-along * weight * mac);
+                rows.0[index] = finite(self.weights[nth] * lambda / eigenvalue(measured.freq_hz));
+                rows.1[index] = finite(-along * self.weights[nth] * mac);
             }
         }
         found.cost = self.total(&both, &snapped);
@@ -288,7 +266,7 @@ impl Objective for ModalObjective {
 
     /// Negligible severities become exactly zero.
     fn repair(&self, x: &mut [f64]) {
-        self.unknowns().snap(x);
+        self.unknowns.snap(x);
     }
 }
 
@@ -313,7 +291,7 @@ pub struct ModalState {
 impl ModalObjective {
     /// All dofs at which any mode was measured, ascending.
     pub fn sensors(&self) -> Vec<usize> {
-        let of = self.measured().flat_map(|(mode, _)| mode.shape.dofs());
+        let of = self.measured.iter().flat_map(|mode| mode.shape.dofs());
         let mut dofs: Vec<usize> = of.copied().collect();
         dofs.sort_unstable();
         dofs.dedup();
@@ -330,16 +308,16 @@ impl ModalObjective {
         let sensors = self.sensors();
         let mut formed = self.form(x, ws);
         self.find_modes(&mut formed)?;
-        let slopes = if with_slopes { self.unknowns().slopes(x) } else { vec![] };
+        let slopes = if with_slopes { self.unknowns.slopes(x) } else { vec![] };
         let (modes, solved) = (&*formed.modes, &mut formed.solved);
         let mut state = ModalState::default();
         let mut adjoints = vec![vec![]; sensors.len()];
-        for (r, &lambda) in modes.eigenvalues().iter().enumerate() {
+        for (r, &lambda) in modes.lambda.iter().enumerate() {
             let phi = modes.shape(r);
             let at: Vec<f64> = sensors.iter().map(|&dof| phi[dof]).collect();
             let size = at.iter().map(|a| a * a).sum::<f64>().sqrt();
             let largest = phi.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
-            if lambda <= modes.zero() || size <= AT_REST * largest {
+            if lambda <= modes.zero || size <= AT_REST * largest {
                 continue;
             }
             let unit: Vec<f64> = at.iter().map(|a| a / size).collect();
@@ -387,35 +365,12 @@ fn moved(slopes: &MatrixSlopes, lambda: f64, phi: &[f64]) -> Vec<(usize, f64)> {
     rows
 }
 
-/// [`ModalObjective::state`] of every candidate, in order.
-///
-/// # Errors
-/// Where the threads cannot be started.
-pub fn modal_states(
-    objective: &ModalObjective,
-    candidates: Candidates<'_>,
-    with_slopes: bool,
-    threads: usize,
-    should_stop: &mut dyn FnMut() -> Option<Interrupt>,
-) -> Result<ControlFlow<Interrupt, Vec<ModalState>>> {
-    parallel_map(
-        candidates.len(),
-        threads,
-        || objective.workspace(),
-        |i, ws| objective.state(candidates.row(i), ws, with_slopes),
-        should_stop,
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::fem::model::mass_spring_chain;
-    use crate::fem::parameters::{Parameter, Quantity};
-    use crate::modal::mac::Shape;
-    use crate::optimize::Candidates;
-    use crate::update::unknowns::Misfit;
-    use std::ops::ControlFlow;
+    use crate::fem::parameters::Quantity;
+    use crate::optimize::{Candidates, evaluate_many};
 
     const X: [f64; 3] = [0.2, 1.1, 0.9];
 
@@ -430,11 +385,9 @@ mod tests {
     }
 
     fn at(rows: &[f64], threads: usize) -> Vec<ModalState> {
-        let found = modal_states(&objective(), Candidates::new(rows, 3), true, threads, &mut || None);
-        match found.unwrap() {
-            ControlFlow::Continue(found) => found,
-            ControlFlow::Break(_) => panic!("nobody stopped it"),
-        }
+        let state = |o: &ModalObjective, x: &[f64], ws: &mut ModalWorkspace| o.state(x, ws, true);
+        let found = evaluate_many(&objective(), Candidates::new(rows, 3), threads, state, &mut || None);
+        found.unwrap().continue_value().unwrap()
     }
 
     #[test]

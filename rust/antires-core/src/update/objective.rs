@@ -8,7 +8,7 @@
 //! e = x_A / x_E − 1,  x = ω²        de/dp = (dx_A/dp) / x_E
 //! ```
 //!
-//! with dx_A/dp from [`crate::antiresonances::sensitivities`], and at the edge of the band as of [`crate::update::pairing`].
+//! with dx_A/dp from [`ZeroSensitivity`], and at the edge of the band as of [`crate::update::pairing`].
 //! The pairing counts as fixed: where a measured antiresonance is about to change its partner the linear model is
 //! wrong, and the optimizer's trust region finds out.
 //!
@@ -52,7 +52,7 @@
 //! A model that is nearly symmetric has them all, hardly apart. So that J does not jump where a symmetry breaks, a
 //! root that all responses share comes in by degrees, as they part.
 
-use std::ops::{ControlFlow, RangeInclusive};
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use super::pairing::{Pairing, UNPAIRED};
@@ -67,8 +67,7 @@ use crate::fem::parameters::Parameter;
 use crate::modal::minor::Ends;
 use crate::modal::modes::eigenvalue;
 use crate::modal::structure::Structure;
-use crate::optimize::Interrupt;
-use crate::optimize::{Candidates, Composition, Linearization, Objective, parallel_map};
+use crate::optimize::{Composition, Linearization, Objective};
 
 /// The model's antiresonances are computed to this multiple of the highest measured frequency, so
 /// that the edge of the band cuts off no partner.
@@ -89,7 +88,8 @@ pub struct Target {
 
 /// J(x) for one model, one parameter set and one measurement.
 pub struct AntiresonanceObjective {
-    unknowns: Unknowns,
+    /// The model and what may change in it.
+    pub unknowns: Unknowns,
     targets: Vec<Target>,
     misfit: Misfit,
     limit_hz: f64,
@@ -109,20 +109,20 @@ pub struct Workspace {
 
 /// The roots of one response.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Roots {
+struct Roots {
     /// Those that may be partners (Hz), ascending.
-    pub hz: Vec<f64>,
+    hz: Vec<f64>,
     /// Those among them that lie on a pole and cancel.
-    pub cancelled_hz: Vec<f64>,
+    cancelled_hz: Vec<f64>,
     /// Whether the response is there at all.
     present: bool,
 }
 
 /// The model at one x, ready to be solved.
-pub(super) struct Formed<'a> {
-    pub prepared: Prepared<'a>,
+struct Formed<'a> {
+    prepared: Prepared<'a>,
     /// Target by target, once [`AntiresonanceObjective::pairs_of`] has found them.
-    pub roots: &'a mut Vec<Roots>,
+    roots: &'a mut Vec<Roots>,
 }
 
 impl AntiresonanceObjective {
@@ -177,19 +177,17 @@ impl AntiresonanceObjective {
         })
     }
 
-    /// The same objective with residual m multiplied by `weights[m]`, in the order of the targets.
+    /// The same objective with residual m multiplied by `weights[m]`, in the order of the targets; by one
+    /// without any.
     ///
     /// # Errors
     /// [`Error::InvalidInput`] when there is not one finite, not negative weight for each measured value,
     /// or all are zero.
-    pub fn with_weights(mut self, weights: Vec<f64>) -> Result<Self> {
-        self.weights = checked_weights(weights, self.weights.len())?;
+    pub fn with_weights(mut self, weights: Option<Vec<f64>>) -> Result<Self> {
+        if let Some(weights) = weights {
+            self.weights = checked_weights(weights, self.weights.len())?;
+        }
         Ok(self)
-    }
-
-    /// The model and what may change in it.
-    pub fn unknowns(&self) -> &Unknowns {
-        &self.unknowns
     }
 
     /// The analytic partner of each measured antiresonance and its residual, target by target.
@@ -199,56 +197,57 @@ impl AntiresonanceObjective {
 
     /// J at `x`, of which these are the pairs.
     pub fn cost_of(&self, x: &[f64], pairs: &[Pairing]) -> f64 {
-        let weighted = pairs.iter().zip(&self.weights);
-        let misfit =
-            weighted.fold(0.0, |total, (pairing, weight)| self.misfit.add(total, weight * pairing.residual));
-        misfit + self.unknowns.penalty_at(&self.unknowns.snapped(x))
+        self.total(pairs.iter().map(|pairing| pairing.residual), &self.unknowns.snapped(x))
     }
 
-    /// New working memory.
-    pub(super) fn memory(&self) -> Workspace {
-        Workspace {
-            assembly: Assembly::new(&self.unknowns.model),
-            solver: AntiresonanceSolver::new(&self.structure),
-            roots: vec![Roots::default(); self.targets.len()],
-        }
+    /// J of residuals at parameter values that are already snapped.
+    fn total(&self, residuals: impl Iterator<Item = f64>, snapped: &[f64]) -> f64 {
+        let weighted = residuals.zip(&self.weights).map(|(e, weight)| weight * e);
+        weighted.fold(0.0, |total, e| self.misfit.add(total, e)) + self.unknowns.penalty_at(snapped)
     }
 
     /// K(x) and M(x).
-    pub(super) fn form<'a>(&self, x: &[f64], ws: &'a mut Workspace) -> Formed<'a> {
+    fn form<'a>(&self, x: &[f64], ws: &'a mut Workspace) -> Formed<'a> {
         let Workspace { assembly, solver, roots } = ws;
         assembly.form(&self.unknowns.model, &self.unknowns.parameters, x);
         Formed { prepared: solver.prepare(&assembly.stiffness, &assembly.mass), roots }
     }
 
     /// [`pairs`](Self::pairs) of a model that is formed.
-    pub(super) fn pairs_of(&self, formed: &mut Formed<'_>) -> Result<Vec<Pairing>> {
-        let mut out = Vec::new();
-        self.each_pair(formed, |pairing| out.push(pairing))?;
-        Ok(out)
+    fn pairs_of(&self, formed: &mut Formed<'_>) -> Result<Vec<Pairing>> {
+        let mut pairs = Vec::with_capacity(self.weights.len());
+        self.each_pair(formed, |pairing| pairs.push(pairing))?;
+        Ok(pairs)
     }
 
     fn each_pair(&self, formed: &mut Formed<'_>, mut visit: impl FnMut(Pairing)) -> Result<()> {
         self.find_roots(formed)?;
-        let roots = &*formed.roots;
         for (nth, target) in self.targets.iter().enumerate() {
-            let own = &roots[nth].hz;
-            for &measured in &target.freq_hz {
-                let shown = |root| shown(own, root, self.others_of(nth, roots));
-                visit(Pairing::of(own, shown, measured, self.limit_hz));
-            }
+            let own = &formed.roots[nth].hz;
+            let shown = |root| shown(own, root, self.others_of(nth, formed.roots));
+            target.freq_hz.iter().for_each(|&hz| visit(Pairing::of(own, shown, hz, self.limit_hz)));
         }
         Ok(())
     }
 
     /// The roots of those measured with target `nth`, where it matters what all of them share.
-    pub(super) fn others_of<'a>(&'a self, nth: usize, roots: &'a [Roots]) -> impl Iterator<Item = &'a [f64]> {
+    fn others_of<'a>(&'a self, nth: usize, roots: &'a [Roots]) -> impl Iterator<Item = &'a [f64]> {
         let there = self.others[nth].iter().filter(|&&o| roots[o].present);
         there.map(|&o| roots[o].hz.as_slice())
     }
 
+    /// Takes up the root of a target at `hz`.
+    fn set(&self, zero: &mut ZeroSensitivity, formed: &mut Formed<'_>, target: usize, hz: f64) -> Result<()> {
+        let (ends, x) = (&self.targets[target].ends, eigenvalue(hz));
+        if formed.roots[target].cancelled_hz.contains(&hz) {
+            zero.set_cancelled(&mut formed.prepared, ends, x)
+        } else {
+            zero.set(&mut formed.prepared, ends, x)
+        }
+    }
+
     /// The roots of each target; of one without values only if others are compared with it.
-    pub(super) fn find_roots(&self, formed: &mut Formed<'_>) -> Result<()> {
+    fn find_roots(&self, formed: &mut Formed<'_>) -> Result<()> {
         for (nth, target) in self.targets.iter().enumerate() {
             let Roots { hz, cancelled_hz, present } = &mut formed.roots[nth];
             hz.clear();
@@ -269,39 +268,6 @@ impl AntiresonanceObjective {
             }
         }
         Ok(())
-    }
-
-    /// J(x). Where the eigenproblem fails, every measured value counts as unpaired, so that J stays
-    /// finite for every x in bounds.
-    pub(super) fn value(&self, x: &[f64], ws: &mut Workspace) -> f64 {
-        let snapped = self.unknowns.snapped(x);
-        let mut misfit = 0.0;
-        let mut weights = self.weights.iter();
-        let solved = self.each_pair(&mut self.form(&snapped, ws), |pairing| {
-            let weight = weights.next().copied().unwrap_or(1.0);
-            misfit = self.misfit.add(misfit, weight * pairing.residual);
-        });
-        if solved.is_err() {
-            misfit = self.weights.iter().fold(0.0, |total, w| self.misfit.add(total, w * UNPAIRED));
-        }
-        misfit + self.unknowns.penalty_at(&snapped)
-    }
-
-    /// Norm of the residuals.
-    pub(super) fn misfit(&self) -> Misfit {
-        self.misfit
-    }
-
-    /// Each measured value with the number of its target and its weight.
-    pub(super) fn measured(&self) -> impl Iterator<Item = (usize, f64, f64)> {
-        let targets = self.targets.iter().enumerate();
-        let values = targets.flat_map(|(nth, t)| t.freq_hz.iter().map(move |&freq| (nth, freq)));
-        values.zip(&self.weights).map(|((t, f), &w)| (t, f, w))
-    }
-
-    /// Responses and forces of a target.
-    pub(super) fn ends(&self, target: usize) -> &Ends {
-        &self.targets[target].ends
     }
 }
 
@@ -329,60 +295,61 @@ impl Objective for AntiresonanceObjective {
     type Workspace = Workspace;
 
     fn workspace(&self) -> Workspace {
-        self.memory()
+        Workspace {
+            assembly: Assembly::new(&self.unknowns.model),
+            solver: AntiresonanceSolver::new(&self.structure),
+            roots: vec![Roots::default(); self.targets.len()],
+        }
     }
 
+    /// J(x). Where the eigenproblem fails, every measured value counts as unpaired, so that J stays
+    /// finite for every x in bounds.
     fn cost(&self, x: &[f64], ws: &mut Workspace) -> f64 {
-        self.value(x, ws)
+        let (snapped, n) = (self.unknowns.snapped(x), self.weights.len());
+        let mut residuals = Vec::with_capacity(n);
+        let solved = self.each_pair(&mut self.form(&snapped, ws), |pairing| residuals.push(pairing.residual));
+        if solved.is_err() {
+            residuals = vec![UNPAIRED; n];
+        }
+        self.total(residuals.into_iter(), &snapped)
     }
 
     fn composition(&self) -> Option<Composition> {
-        Some(self.unknowns().composition(self.misfit().norm()))
+        Some(self.unknowns.composition(self.misfit.norm()))
     }
 
     /// J, its residuals and their derivatives; `None` where the eigenproblem fails.
     fn linearize(&self, x: &[f64], ws: &mut Workspace) -> Option<Linearization> {
-        let unknowns = self.unknowns();
-        let snapped = unknowns.snapped(x);
+        let snapped = self.unknowns.snapped(x);
         let mut formed = self.form(&snapped, ws);
         let pairs = self.pairs_of(&mut formed).ok()?;
-        let slopes = unknowns.slopes(&snapped);
-        let n = slopes.len();
+        let slopes = self.unknowns.slopes(&snapped);
+        let residuals: Vec<f64> = pairs.iter().zip(&self.weights).map(|(p, w)| w * p.residual).collect();
         let mut found = Linearization {
-            cost: 0.0,
-            residuals: Vec::with_capacity(pairs.len()),
-            jacobian: Vec::with_capacity(pairs.len() * n),
+            cost: self.total(pairs.iter().map(|pairing| pairing.residual), &snapped),
+            jacobian: vec![0.0; residuals.len() * slopes.len()],
+            residuals,
         };
         let (mut zero, mut batch) = (ZeroSensitivity::default(), ZeroBatch::default());
-        for ((target, measured_hz, weight), pairing) in self.measured().zip(pairs) {
-            let e = weight * pairing.residual;
-            found.cost = self.misfit().add(found.cost, e);
-            found.residuals.push(e);
-            let first = found.jacobian.len();
-            found.jacobian.extend(std::iter::repeat_n(0.0, n));
-            let cancelled_hz = &formed.roots[target].cancelled_hz;
+        let targets = self.targets.iter().enumerate();
+        let measured = targets.flat_map(|(nth, target)| target.freq_hz.iter().map(move |&hz| (nth, hz)));
+        for (m, ((target, hz), pairing)) in measured.zip(pairs).enumerate() {
             for (analytic_hz, along) in pairing.moves_with.into_iter().flatten() {
-                let (ends, x) = (self.ends(target), eigenvalue(analytic_hz));
-                if cancelled_hz.contains(&analytic_hz) {
-                    zero.set_cancelled(&mut formed.prepared, ends, x).ok()?;
-                } else {
-                    zero.set(&mut formed.prepared, ends, x).ok()?;
-                }
-                let row = Row { first, along, weight, measured: eigenvalue(measured_hz) };
-                batch.push(&zero, row);
+                self.set(&mut zero, &mut formed, target, analytic_hz).ok()?;
+                let (weight, measured) = (self.weights[m], eigenvalue(hz));
+                batch.push(&zero, Row { first: m * slopes.len(), along, weight, measured });
                 if batch.is_full() {
                     add(&mut batch, &slopes, &mut found.jacobian);
                 }
             }
         }
         add(&mut batch, &slopes, &mut found.jacobian);
-        found.cost += unknowns.penalty_at(&snapped);
         Some(found)
     }
 
     /// Negligible severities become exactly zero.
     fn repair(&self, x: &mut [f64]) {
-        self.unknowns().snap(x);
+        self.unknowns.snap(x);
     }
 }
 
@@ -433,7 +400,7 @@ impl AntiresonanceObjective {
     }
 
     fn state_of(&self, x: &[f64], ws: &mut Workspace, slopes_hz: Option<&Band>) -> Result<State> {
-        let slopes = slopes_hz.map_or_else(Vec::new, |_| self.unknowns().slopes(x));
+        let slopes = slopes_hz.map_or_else(Vec::new, |_| self.unknowns.slopes(x));
         let (mut state, mut batch) = (State::default(), ZeroBatch::default());
         self.each_root(x, ws, slopes_hz, |root| {
             root.put_into(&mut state);
@@ -450,7 +417,7 @@ impl AntiresonanceObjective {
     }
 
     /// Every root at `x`, target by target; with the null vectors of those in `band`, if any.
-    pub(super) fn each_root(
+    fn each_root(
         &self,
         x: &[f64],
         ws: &mut Workspace,
@@ -466,12 +433,7 @@ impl AntiresonanceObjective {
                 let shown = shown(&own, root, self.others_of(nth, formed.roots));
                 let inside = band.is_some_and(|band| band.contains(&hz));
                 if inside {
-                    let (ends, x) = (self.ends(nth), eigenvalue(hz));
-                    if formed.roots[nth].cancelled_hz.contains(&hz) {
-                        zero.set_cancelled(&mut formed.prepared, ends, x)?;
-                    } else {
-                        zero.set(&mut formed.prepared, ends, x)?;
-                    }
+                    self.set(&mut zero, &mut formed, nth, hz)?;
                 }
                 let zero = inside.then_some(&zero);
                 visit(Root { target: nth, hz, shown, zero });
@@ -482,16 +444,16 @@ impl AntiresonanceObjective {
 }
 
 /// A root of a target, with its null vectors where those were asked for.
-pub(super) struct Root<'a> {
+struct Root<'a> {
     target: usize,
     hz: f64,
     shown: f64,
-    pub zero: Option<&'a ZeroSensitivity>,
+    zero: Option<&'a ZeroSensitivity>,
 }
 
 impl Root<'_> {
     /// Adds it to a state, without slopes.
-    pub fn put_into(&self, state: &mut State) {
+    fn put_into(&self, state: &mut State) {
         state.target.push(u32::try_from(self.target).unwrap_or(u32::MAX));
         state.freq_hz.push(self.hz);
         state.shown.push(self.shown);
@@ -508,26 +470,6 @@ fn put(batch: &mut ZeroBatch<(usize, f64)>, slopes: &[MatrixSlopes], into: &mut 
         });
     }
     batch.clear();
-}
-
-/// [`AntiresonanceObjective::state`] of every candidate, in order.
-///
-/// # Errors
-/// Where the threads cannot be started.
-pub fn states(
-    objective: &AntiresonanceObjective,
-    candidates: Candidates<'_>,
-    slopes_hz: Option<&Band>,
-    threads: usize,
-    should_stop: &mut dyn FnMut() -> Option<Interrupt>,
-) -> Result<ControlFlow<Interrupt, Vec<State>>> {
-    parallel_map(
-        candidates.len(),
-        threads,
-        || objective.workspace(),
-        |i, ws| objective.state(candidates.row(i), ws, slopes_hz),
-        should_stop,
-    )
 }
 
 // ---- null_vectors
@@ -549,16 +491,15 @@ impl AntiresonanceObjective {
     /// The roots at `x` as of [`state`](Self::state) with the null vectors of those in the band; none where the
     /// eigenproblem fails.
     pub fn null_vectors(&self, x: &[f64], ws: &mut Workspace, band: &Band) -> NullVectors {
-        let n = self.unknowns().n_dof();
+        let n = self.unknowns.model.n_dof();
         let mut found = NullVectors::default();
         let all = self.each_root(x, ws, Some(band), |root| {
             root.put_into(&mut found.state);
             let filled = found.left.len();
             if let Some(zero) = root.zero {
-                let (left, right) = zero.vectors();
-                found.left.extend_from_slice(left);
-                found.right.extend_from_slice(right);
-                found.slope.push(zero.slope());
+                found.left.extend_from_slice(&zero.left);
+                found.right.extend_from_slice(&zero.right);
+                found.slope.push(zero.slope);
             } else {
                 found.slope.push(f64::NAN);
             }
@@ -637,11 +578,8 @@ fn apart(own: &[f64], nth: usize, other: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::fem::model::mass_spring_chain;
-    use crate::fem::parameters::{Parameter, Quantity};
-    use crate::modal::modes::eigenvalue;
-    use crate::optimize::{Candidates, Objective};
-    use crate::update::unknowns::Misfit;
-    use std::ops::ControlFlow;
+    use crate::fem::parameters::Quantity;
+    use crate::optimize::{Candidates, evaluate_many};
 
     const X: [f64; 3] = [0.2, 1.1, 0.9];
 
@@ -666,11 +604,9 @@ mod tests {
     }
 
     fn within(band: Band, rows: &[f64], threads: usize) -> Vec<State> {
-        let found = states(&objective(), Candidates::new(rows, 3), Some(&band), threads, &mut || None);
-        match found.unwrap() {
-            ControlFlow::Continue(found) => found,
-            ControlFlow::Break(_) => panic!("nobody stopped it"),
-        }
+        let state = |o: &AntiresonanceObjective, x: &[f64], ws: &mut Workspace| o.state(x, ws, Some(&band));
+        let found = evaluate_many(&objective(), Candidates::new(rows, 3), threads, state, &mut || None);
+        found.unwrap().continue_value().unwrap()
     }
 
     #[test]

@@ -250,10 +250,4 @@ mod tests {
         assert_eq!(pair(&[0.0], &[1.0], 1.0), None);
         assert_eq!(pair(&[0.0, 80.0], &[1.0, 0.0], 1.0), Some(1));
     }
-
-    #[test]
-    fn the_residual_is_the_relative_difference_of_squares() {
-        assert!((residual(Some(1.1), 1.0) - 0.21).abs() < 1e-15);
-        assert_eq!(residual(None, 5.0), 1.0);
-    }
 }

@@ -6,17 +6,10 @@
 //!
 //! The penalties apply to the stiffness reductions β among the unknowns; severities below the snap count as
 //! exactly zero.
-//!
-//! # penalties
-//!
-//! The damage penalties of Eqs. 15-17: `γ₁ Σ β + γ₂ count(β > 0)`.
-//!
-//! They prefer few damaged elements. With γ₁ = γ₂ = 0.1 a small damage costs more than it explains:
+//! The penalties of Eqs. 15-17 prefer few damaged elements. With γ₁ = γ₂ = 0.1 a small damage costs more than it explains:
 //! see the detectable severities that the damage result reports.
 //!
-//! # misfit
-//!
-//! How the residuals e become one number.
+//! The misfit makes one number of the residuals e:
 //!
 //! ```text
 //! absolute   Σ |e|      Eq. 12 of the paper: indifferent to a few wrong values
@@ -36,8 +29,10 @@ pub const LARGEST_SNAP: f64 = 1e-3;
 /// A model, its parameters and their price.
 #[derive(Debug, Clone)]
 pub struct Unknowns {
-    pub(super) model: Model,
-    pub(super) parameters: Vec<Parameter>,
+    /// The model.
+    pub model: Model,
+    /// At least one.
+    pub parameters: Vec<Parameter>,
     penalty: Option<Penalty>,
     snap: f64,
 }
@@ -69,21 +64,6 @@ impl Unknowns {
         Ok(Self { model, parameters, penalty, snap })
     }
 
-    /// Number of parameters.
-    pub fn len(&self) -> usize {
-        self.parameters.len()
-    }
-
-    /// Whether there is no parameter; there always is one.
-    pub fn is_empty(&self) -> bool {
-        self.parameters.is_empty()
-    }
-
-    /// Number of degrees of freedom of the model.
-    pub fn n_dof(&self) -> usize {
-        self.model.n_dof()
-    }
-
     /// Negligible severities become exactly zero.
     pub(super) fn snap(&self, x: &mut [f64]) {
         if self.snap > 0.0 {
@@ -111,7 +91,7 @@ impl Unknowns {
     /// How J is composed, for residuals of that norm.
     pub(super) fn composition(&self, norm: Option<Norm>) -> Composition {
         let sparse: Vec<bool> =
-            (0..self.len()).map(|i| self.penalty.is_some() && self.is_reduction(i)).collect();
+            (0..self.parameters.len()).map(|i| self.penalty.is_some() && self.is_reduction(i)).collect();
         let gamma1 = self.penalty.map_or(0.0, |penalty| penalty.gamma1);
         let nominal = self.parameters.iter().map(|p| p.nominal(&self.model));
         Composition {
@@ -125,7 +105,7 @@ impl Unknowns {
     /// dK/dp and dM/dp of every parameter at `x`.
     pub(super) fn slopes(&self, x: &[f64]) -> Vec<MatrixSlopes> {
         let along = Slopes::new(&self.model, &self.parameters, x);
-        (0..self.len()).map(|index| along.along(index)).collect()
+        (0..self.parameters.len()).map(|index| along.along(index)).collect()
     }
 
     fn is_reduction(&self, index: usize) -> bool {
@@ -202,25 +182,5 @@ impl Misfit {
             Self::Squared => Some(Norm::Squared),
             Self::Largest => None,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn counts_only_damaged_elements() {
-        let penalty = Penalty { gamma1: 0.1, gamma2: 0.2 };
-        assert_eq!(penalty.of([0.0, 0.0].into_iter()), 0.0);
-        assert!((penalty.of([0.0, 0.5, 0.25].into_iter()) - (0.075 + 0.4)).abs() < 1e-15);
-    }
-
-    #[test]
-    fn the_three_norms_of_one_set() {
-        let of = |misfit: Misfit| [0.5, -2.0, 1.0].iter().fold(0.0, |t, &e| misfit.add(t, e));
-        assert_eq!(of(Misfit::Absolute), 3.5);
-        assert_eq!(of(Misfit::Squared), 5.25);
-        assert_eq!(of(Misfit::Largest), 2.0);
     }
 }

@@ -276,7 +276,7 @@ fn a_wrong_arrow_is_seen_in_every_form() {
         ("\nuse crate::antiresonances::secular::Scratch;", "modal::receptance"),
         ("\nuse crate::antiresonances::Query;", "modal::receptance"),
         (
-            "\nuse super::super::{\n    linalg::wide,\n    fem::model::{Model, connected},\n};",
+            "\nuse super::super::{\n    linalg::wide,\n    fem::model::{Model, joins},\n};",
             "linalg::symmetric",
         ),
         ("\nfn f() { crate::modal::modes::hertz(1.0); }", "optimize::island"),
@@ -293,7 +293,7 @@ fn a_circle_is_seen_in_every_form() {
         ("\nuse super::solver::Prepared;", "antiresonances::search"),
         ("\nuse super::AntiresonanceSolver;", "antiresonances::search"),
         ("\nuse super::polish::Polish;", "optimize::descent"),
-        ("\nfn f(p: crate::fem::Model) { super::model::connected(); }", "fem::term"),
+        ("\nfn f(p: crate::fem::Model) { super::model::joins(); }", "fem::term"),
         ("\nuse parameters::turn;", "fem::frame"),
     ] {
         assert!(circle(&edges(&with(line, at))).is_some(), "{line}");

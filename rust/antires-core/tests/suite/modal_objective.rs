@@ -3,7 +3,7 @@
 use antires_core::fem::model::{Model, mass_spring_chain};
 use antires_core::fem::parameters::{Parameter, Quantity};
 use antires_core::modal::mac::Shape;
-use antires_core::modal::modes::modes;
+use antires_core::modal::modes::AllModes;
 use antires_core::optimize::{Bounds, Hooks, IslandOptions, Objective, minimize_objective};
 use antires_core::update::modal_objective::{MeasuredMode, ModalObjective};
 use antires_core::update::unknowns::Misfit;
@@ -20,7 +20,7 @@ fn measured(
     dofs: &[usize],
     error: f64,
 ) -> Vec<MeasuredMode> {
-    let solved = modes(model).unwrap();
+    let solved = AllModes::of(model).unwrap().finite();
     let mut count = 0;
     let mut noise = || {
         count += 1;
@@ -150,7 +150,7 @@ fn a_linearization_has_the_objectives_cost_and_its_slope() {
                 1e-3,
             )
             .unwrap()
-            .with_weights(vec![1.0, 2.0, 0.5, 1.0, 0.7])
+            .with_weights(Some(vec![1.0, 2.0, 0.5, 1.0, 0.7]))
             .unwrap();
             let ws = &mut objective.workspace();
             let here = objective.linearize(&at, ws).unwrap();
@@ -270,6 +270,6 @@ fn wrong_problems_are_refused_by_name() {
     let (model, parameters) = (chain8(INTACT), each(Quantity::StiffnessReduction, 7));
     let none = ModalObjective::new(model, parameters, vec![], Misfit::Absolute, None, 0.0);
     assert!(none.err().unwrap().to_string().contains("at least one"));
-    let weighted = damage_objective(&ALL, 0.0).with_weights(vec![1.0; 6]);
+    let weighted = damage_objective(&ALL, 0.0).with_weights(Some(vec![1.0; 6]));
     assert!(weighted.err().unwrap().to_string().starts_with("weights"));
 }

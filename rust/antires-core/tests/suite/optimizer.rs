@@ -17,8 +17,8 @@ fn the_sphere_is_solved_and_the_islands_agree() {
         assert!(outcome.fun < 1e-5, "seed {seed}: {}", outcome.fun);
         assert!(outcome.status.success(), "seed {seed}: {:?}", outcome.status);
         assert_eq!(sphere(&outcome.x), outcome.fun);
-        assert_eq!(outcome.history.len(), outcome.nit + 1);
-        assert_eq!(outcome.history.migrations().len(), outcome.migrations);
+        assert_eq!(outcome.history.evaluations.len(), outcome.nit + 1);
+        assert_eq!(outcome.history.migrations.len(), outcome.migrations);
         assert_monotone(&outcome);
     }
 }
@@ -125,7 +125,7 @@ fn interchangeable_optima_agree_in_cost() {
     assert_eq!(outcome.status, Status::CostAgreed);
     // Asked at generations 40, 80 and 120, with an exchange after the first two.
     assert_eq!((outcome.nit, outcome.migrations), (120, 2));
-    assert_eq!(outcome.history.migrations(), [40, 80]);
+    assert_eq!(outcome.history.migrations, [40, 80]);
 }
 
 #[test]
@@ -182,7 +182,7 @@ proptest! {
         // Every individual carries the cost of its own genes, or none if the budget left it out.
         for island in &outcome.islands {
             let population = &island.population;
-            for i in 0..population.len() {
+            for i in 0..population.size() {
                 let cost = population.cost(i);
                 prop_assert!(cost == rastrigin(population.row(i)) || cost == f64::INFINITY);
                 prop_assert!(bounds.contain(population.row(i)));

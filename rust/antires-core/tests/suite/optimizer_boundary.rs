@@ -10,7 +10,7 @@ use antires_core::optimize::{
     Progress, Status, minimize, minimize_objective,
 };
 
-use crate::common::{bits, rastrigin, run, sparse, sphere};
+use crate::common::{best_costs, bits, rastrigin, run, sparse, sphere};
 
 struct Snapping;
 
@@ -47,7 +47,7 @@ fn what_is_repaired_is_what_is_evaluated_and_returned() {
         let outcome = minimize_objective(&Snapping, &bounds, &guess, &options, 5, threads, hooks).unwrap();
         assert_eq!(outcome.x.iter().filter(|&&x| x == 0.0).count(), 6);
         for island in &outcome.islands {
-            let genes = island.population.genes();
+            let genes = &island.population.genes;
             assert!(genes.iter().all(|&x| x == 0.0 || x >= 0.05));
         }
     }
@@ -89,7 +89,7 @@ fn costs_that_are_not_finite_are_the_worst() {
     let outcome = run(&partial, &bounds, &IslandOptions::default(), 5);
     assert!((outcome.x[0] + 0.2).abs() < 1e-3, "{}", outcome.x[0]);
     for island in &outcome.islands {
-        let costs = island.population.costs();
+        let costs = &island.population.costs;
         assert!(costs.iter().all(|c| c.is_finite() || *c == f64::INFINITY));
     }
 
@@ -128,12 +128,12 @@ fn progress_tells_what_the_history_keeps_and_may_stop_the_search() {
     let hooks = &mut Hooks { progress: Some(&mut progress), ..Hooks::default() };
     let outcome = minimize_objective(&rastrigin, &bounds, &[], &options, 1, 2, hooks).unwrap();
     assert_eq!((outcome.status, outcome.nit), (Status::Callback, 30));
-    assert_eq!(told.len(), outcome.history.len());
+    assert_eq!(told.len(), outcome.history.evaluations.len());
     assert!(told.iter().any(|record| record.3), "no island ever waited");
     for (g, (generation, evaluations, costs, _)) in told.iter().enumerate() {
         assert_eq!(*generation, g);
-        assert_eq!(*evaluations, outcome.history.evaluations()[g]);
-        assert_eq!(costs, outcome.history.islands(g));
+        assert_eq!(*evaluations, outcome.history.evaluations[g]);
+        assert_eq!(costs, &outcome.history.best_costs[4 * g..4 * (g + 1)]);
     }
 }
 
@@ -161,8 +161,8 @@ fn an_interrupted_search_returns_its_best_soon() {
             assert!((301..700).contains(&outcome.nfev), "{}", outcome.nfev);
             assert_eq!(rastrigin(&outcome.x), outcome.fun);
             // The discarded generation may have bettered the last record, never worsened it.
-            assert!(outcome.fun <= outcome.history.best(outcome.nit));
-            assert_eq!(outcome.history.len(), outcome.nit + 1);
+            assert!(outcome.fun <= best_costs(&outcome)[outcome.nit]);
+            assert_eq!(outcome.history.evaluations.len(), outcome.nit + 1);
         }
     }
 }
@@ -177,7 +177,7 @@ fn a_search_interrupted_at_once_still_has_an_outcome() {
     let outcome = minimize_objective(&rastrigin, &bounds, &guess, &options, 1, 1, hooks).unwrap();
     assert_eq!((outcome.status, outcome.nfev), (Status::Interrupted, 0));
     assert_eq!((&outcome.x, outcome.fun), (&guess[0], f64::INFINITY));
-    assert!(outcome.history.is_empty());
+    assert!(outcome.history.evaluations.is_empty());
 }
 
 #[test]
@@ -199,7 +199,7 @@ fn a_discarded_generation_still_gives_its_best() {
     let best = costs.lock().unwrap().iter().copied().fold(f64::INFINITY, f64::min);
     assert_eq!((outcome.nfev, outcome.fun), (50, best));
     assert_eq!(rastrigin(&outcome.x), outcome.fun);
-    assert!(outcome.history.is_empty());
+    assert!(outcome.history.evaluations.is_empty());
 }
 
 /// Evaluates whole batches, and fails in a batch of choice.

@@ -160,7 +160,7 @@ proptest! {
         assert_monotone(&outcome);
         for island in &outcome.islands {
             let population = &island.population;
-            for i in 0..population.len() {
+            for i in 0..population.size() {
                 let cost = population.cost(i);
                 prop_assert!(cost == objective.cost_of(population.row(i)) || cost == f64::INFINITY);
             }

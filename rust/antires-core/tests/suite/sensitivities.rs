@@ -92,6 +92,9 @@ fn one_mass_between_two_springs_moves_as_the_textbook_says() {
         let slope = zero.along(&slopes.along(index));
         assert!((slope + 250.0).abs() < 1e-9, "{slope}");
     }
+    // Of a model that has lost half of its spring, half is a quarter.
+    let half = model.at(&parameters, &[0.5, 1.0]).unwrap();
+    assert_eq!(half.at(&parameters, &[0.5, 1.0]).unwrap().stiffness().get(0, 0), 125.0);
 }
 
 fn objective(misfit: Misfit, penalty: Option<Penalty>) -> AntiresonanceObjective {

@@ -137,10 +137,10 @@ pub type Row = (Vec<usize>, Option<String>, Vec<f64>);
 
 /// What a frame asks of an element.
 trait Part {
-    /// The argument that lists elements of this kind.
-    fn argument(&self) -> &'static str;
     /// Whether it adds to that matrix.
-    fn adds_to(&self, side: Side) -> bool;
+    fn adds_to(&self, side: Side) -> bool {
+        side == Side::Stiffness
+    }
     /// As Python has it.
     fn row(&self, dimension: Dimension) -> Row;
     /// Refuses one that cannot be.
@@ -191,6 +191,11 @@ macro_rules! kinds {
                 }
             }
 
+            /// The argument that lists elements of this kind.
+            pub fn argument(&self) -> &'static str {
+                match self { $(Self::$kind(_) => $kind::ARGUMENT),* }
+            }
+
             fn rank(&self) -> usize {
                 let kinds = [$($kind::ARGUMENT),*];
                 kinds.iter().position(|kind| *kind == self.argument()).unwrap_or(kinds.len())
@@ -208,11 +213,6 @@ macro_rules! kinds {
 kinds!(Beam, PointMass, GroundSpring, NodeSpring);
 
 impl Element {
-    /// The argument that lists elements of this kind.
-    pub fn argument(&self) -> &'static str {
-        self.part().argument()
-    }
-
     /// As Python has it.
     pub fn row(&self, dimension: Dimension) -> Row {
         self.part().row(dimension)
@@ -252,7 +252,7 @@ impl Place<'_> {
 }
 
 /// Refuses a node that a frame of `n` nodes does not have.
-pub(super) fn check_node(name: &Argument, node: usize, n: usize) -> Result<()> {
+pub(in crate::fem) fn check_node(name: &Argument, node: usize, n: usize) -> Result<()> {
     if node < n {
         return Ok(());
     }
@@ -286,14 +286,12 @@ pub struct Beam {
 }
 
 impl Beam {
+    const ARGUMENT: &'static str = "elements";
+
     /// A beam with the default reference direction.
     pub fn new(nodes: [usize; 2], section: usize) -> Self {
         Self { nodes, section, reference: None, factors: [1.0; 2] }
     }
-}
-
-impl Beam {
-    const ARGUMENT: &'static str = "elements";
 
     #[expect(clippy::unnecessary_wraps, reason = "a row of some kinds can be wrong")]
     fn of_row((nodes, ..): &Row, _: &Argument, _: Dimension) -> Result<Self> {
@@ -302,10 +300,6 @@ impl Beam {
 }
 
 impl Part for Beam {
-    fn argument(&self) -> &'static str {
-        Self::ARGUMENT
-    }
-
     fn adds_to(&self, _: Side) -> bool {
         true
     }
@@ -393,10 +387,6 @@ impl PointMass {
 }
 
 impl Part for PointMass {
-    fn argument(&self) -> &'static str {
-        Self::ARGUMENT
-    }
-
     fn adds_to(&self, side: Side) -> bool {
         side == Side::Mass
     }
@@ -466,14 +456,6 @@ impl GroundSpring {
 }
 
 impl Part for GroundSpring {
-    fn argument(&self) -> &'static str {
-        Self::ARGUMENT
-    }
-
-    fn adds_to(&self, side: Side) -> bool {
-        side == Side::Stiffness
-    }
-
     fn row(&self, dimension: Dimension) -> Row {
         let direction = dimension.directions()[self.direction].to_owned();
         (vec![self.node], Some(direction), vec![self.stiffness_n_per_m])
@@ -524,14 +506,6 @@ impl NodeSpring {
 }
 
 impl Part for NodeSpring {
-    fn argument(&self) -> &'static str {
-        Self::ARGUMENT
-    }
-
-    fn adds_to(&self, side: Side) -> bool {
-        side == Side::Stiffness
-    }
-
     fn row(&self, dimension: Dimension) -> Row {
         let direction = self.direction.map(|d| dimension.directions()[d].to_owned());
         (self.nodes.to_vec(), direction, vec![self.stiffness_n_per_m])

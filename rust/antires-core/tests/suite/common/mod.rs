@@ -37,25 +37,29 @@ pub fn run(objective: &impl Objective, bounds: &Bounds, options: &IslandOptions,
 pub fn bits(outcome: &Outcome) -> Vec<u64> {
     let populations = outcome.islands.iter().flat_map(|island| {
         let population = &island.population;
-        population.genes().iter().chain(population.costs())
+        population.genes.iter().chain(&population.costs)
     });
     let floats = outcome
         .x
         .iter()
         .chain([&outcome.fun])
-        .chain(outcome.history.best_costs())
+        .chain(&outcome.history.best_costs)
         .chain(populations)
         .map(|x| x.to_bits());
     let counts = [outcome.nfev, outcome.nit, outcome.migrations];
-    let counts = counts.iter().chain(outcome.history.evaluations());
+    let counts = counts.iter().chain(&outcome.history.evaluations);
     floats.chain(counts.map(|&n| n as u64)).collect()
 }
 
+/// The lowest cost of all islands at each record.
+pub fn best_costs(outcome: &Outcome) -> Vec<f64> {
+    let records = outcome.history.best_costs.chunks_exact(outcome.islands.len());
+    records.map(|islands| islands.iter().copied().fold(f64::INFINITY, f64::min)).collect()
+}
+
 pub fn assert_monotone(outcome: &Outcome) {
-    let history = &outcome.history;
-    for g in 1..history.len() {
-        assert!(history.best(g) <= history.best(g - 1), "generation {g}");
-        assert!(history.evaluations()[g] >= history.evaluations()[g - 1]);
-    }
-    assert_eq!(history.best(history.len() - 1), outcome.fun);
+    let best = best_costs(outcome);
+    assert!(best.is_sorted_by(|a, b| a >= b), "{best:?}");
+    assert!(outcome.history.evaluations.is_sorted());
+    assert_eq!(best.last(), Some(&outcome.fun));
 }
