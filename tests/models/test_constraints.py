@@ -105,7 +105,8 @@ WRONG_EQUATIONS += [([{1: np.nan}], r"constraints\[0\]: got nan; wanted a finite
 WRONG_EQUATIONS += [(np.full((1, 6), 1j), r"constraints\[0\]: got complex")]
 WRONG_EQUATIONS += [(np.ones(6), r"constraints\[0\]: got a row of shape")]
 WRONG_EQUATIONS += [([{"1:Z": 1.0}], r"constraints\[0\]: got '1:Z'")]
-WRONG_EQUATIONS += [(scipy.sparse.coo_array(np.ones(6)), r"sparse array of shape \(6,\)")]
+FLAT = scipy.sparse.coo_array(np.ones(6))  # a row, which is right, in SciPy before 1.13
+WRONG_EQUATIONS += [(FLAT, r"sparse array of shape \(6,\)")] * (FLAT.ndim == 1)
 SHAPES = {5: r"sparse array of shape \(1, 5\)", 9: r"sparse array of shape \(1, 9\)"}
 VALUES = dict.fromkeys((np.nan, np.inf), "constraints: got 6 NaN or inf") | {1j: "constraints: got complex"}
 WRONG_EQUATIONS += [(scipy.sparse.csr_array(np.ones((1, n))), said) for n, said in SHAPES.items()]
