@@ -116,7 +116,7 @@ def test_in_a_file_it_is_what_it_is_in_memory(tmp_path, in_memory, calls, ending
     assert_same(ar.Series.load(store), in_memory)
     assert os.listdir(tmp_path) == [store.name]
     if ending == "sqlite":
-        with sqlite3.connect(store) as database:
+        with closing(sqlite3.connect(store)) as database, database:
             assert database.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
     calls.clear()
     assert_same(identified(store), in_memory)
