@@ -133,5 +133,5 @@ bench: build  ## speed and accuracy tables of the README
 	$(BIN)/python -m benchmarks.chain8_study
 
 clean:  ## remove everything that was built
-	rm -rf $(VENV) target dist demo_output python/antires_rs/*.so
+	rm -rf $(VENV) $(OLDEST) target dist demo_output python/antires_rs/*.so
 	rm -rf docs/_build docs/gallery docs/api/generated docs/api/backreferences docs/sg_execution_times.rst

@@ -142,6 +142,23 @@ def test_warnings_take_one_line(tmp_path, capsys):
     assert all(line.startswith("antires: warning: ") for line in err)
 
 
+def test_names_from_files_move_no_cursor(tmp_path, capsys):
+    """Control characters in names cleared the screen, or turned the direction of what follows."""
+    name, saved = "tip\x1b[2J\u202e", str(tmp_path / "zeros.json")
+    ar.AntiresonanceSet(0, {name: [2.0, 5.0]}).save(saved)
+    assert cli.main(["identify", saved]) == 0
+    noise = np.random.default_rng(0).standard_normal((3, 4096))
+    for clipped, code in ((0.0 * noise[0], 1), (np.clip(noise[0], -1.0, 1.0), 0)):
+        noise[1] = clipped
+        ar.write_npz(tmp_path / "record.npz", ar.Recording(noise, 256.0, dofs=["root", name, "mid"]))
+        call = ["identify", str(tmp_path / "record.npz"), "--band", "3", "100", "--excitation", "root"]
+        assert cli.main(call) == code
+    out, err = capsys.readouterr()
+    assert "tip\\x1b[2J\\u202e" in out
+    assert err.count("tip\\x1b[2J\\u202e") >= 2
+    assert not {"\x1b", "\u202e"} & {*out, *err}
+
+
 def test_report_of_a_result_and_of_its_folder(tmp_path, capsys):
     case = ar.cases.chain8()
     ar.assess_damage(case.model, case.exact(1), rng=0).save(tmp_path / "result.npz")

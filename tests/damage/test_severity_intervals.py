@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
+from scipy.integrate import quad, trapezoid
 
 import antires_rs as ar
 from antires_rs.damage.inference import HIGHEST, log_odds_threshold, refitted
@@ -131,7 +131,7 @@ def test_the_threshold_is_the_quantile_of_integrated_evidence():
     odds = np.zeros(4000)
     for own in slopes.T:
         gain = np.outer(values @ own, beta) - 0.5 * (own @ own) * beta**2
-        odds += np.trapezoid(np.exp(gain), beta, axis=1) / 0.99
+        odds += trapezoid(np.exp(gain), beta, axis=1) / 0.99
     for rate in (0.3, 0.05):
         wanted = np.log(np.quantile(odds, 1.0 - rate)) + prior.log_of(1, 6) - prior.log_of(0, 6)
         options = SearchOptions(false_alarm_rate=rate)

@@ -193,15 +193,15 @@ def test_a_table_of_a_series_that_ends_its_reader_ends_a_child_alone(tmp_path, m
     unsuitable("the reader ended with code", ar.Series.load, file)
 
 
-def in_database(file, change):
-    """Change the columns of the first test, and make its checksum anew."""
+def in_database(file, change, what="columns"):
+    """Change the columns, or the facts, of the first test, and make its checksum anew."""
     from antires_rs.watch.store import _checksum
 
     with closing(sqlite3.connect(file)) as database, database:
         values = list(database.execute("SELECT * FROM tests WHERE place = 1").fetchone()[1:-1])
-        values[-1] = change
+        values[-1 if what == "columns" else -2] = change
         database.execute(
-            "UPDATE tests SET columns = ?, checksum = ? WHERE place = 1", (change, _checksum(values))
+            f"UPDATE tests SET {what} = ?, checksum = ? WHERE place = 1", (change, _checksum(values))
         )
 
 
@@ -221,9 +221,12 @@ def test_a_test_of_a_series_with_a_right_checksum_over_wrong_content(tmp_path, c
         ar.Series.load(file)[0]
 
 
-def test_a_field_of_a_test_of_another_type(tmp_path):
+@pytest.mark.parametrize(
+    "change", [(7,), ('{"excitation": 0, "tables": [["antiresonance", {}, 0, {}]]}', "facts")], ids=str
+)
+def test_a_field_of_a_test_of_another_type(tmp_path, change):
     file = series_file(tmp_path / "a.sqlite")
-    in_database(file, 7)
+    in_database(file, *change)
     with pytest.warns(ar.AntiresWarning, match="1 tests are not as they were written: 'a'"):
         assert ar.Series.load(file).names == ("b", "c")
 

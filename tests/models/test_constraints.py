@@ -112,6 +112,15 @@ def test_wrong_equations_and_dofs_to_keep_are_refused():
     replay(Path(__file__).with_name("wrong_equations.txt"), said)
 
 
+def test_a_flat_sparse_array_is_no_equation():
+    flat = scipy.sparse.coo_array(np.ones(6))  # one row, which is right, in SciPy before 1.13
+    for call in TAKE_EQUATIONS:
+        if flat.ndim == 1:
+            refused(r"sparse array of shape \(6,\)", call, K, M, constraints=flat)
+        else:
+            call(K, M, constraints=flat)
+
+
 @pytest.mark.parametrize("wrong", [3, "a", None, np.ones((2, 6)), np.ones(6), np.eye(3)])
 def test_matrices_that_are_none(wrong):
     for call in (ar.lagrange_rows, lambda k, m: ar.eliminate_constraints(k, m, [{1: 1.0}])):

@@ -12,6 +12,7 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from loky.process_executor import ShutdownExecutorError
 
 import antires_rs as ar
 from antires_rs.support.workers import Failed, Workers, in_order
@@ -97,6 +98,19 @@ def test_an_exception_is_raised_in_its_turn_with_the_number_of_its_task(workers)
     assert isinstance(given[7].error, ZeroDivisionError)
     assert given[:7] == list(range(7))
     assert multiprocessing.active_children() == []
+
+
+def test_no_process_is_left_whose_task_had_not_begun():
+    """Cancelled before it began, a task stopped the thread of loky that ends the process."""
+    workers = Workers(work.square, 2)
+    results = workers.as_done(range(9))
+    next(results)
+    process = workers._executor._all[0]
+    waiting = [process.submit(work.long_nap, 0) for _ in range(6)]  # loky hands over some
+    workers._flying |= dict.fromkeys(waiting)
+    workers.close()
+    assert multiprocessing.active_children() == []
+    assert all(isinstance(task.exception(0.0), ShutdownExecutorError) for task in waiting)
 
 
 def test_a_result_that_does_not_travel_is_an_exception_of_its_task():

@@ -116,7 +116,7 @@ def test_in_a_file_it_is_what_it_is_in_memory(tmp_path, in_memory, calls, ending
     assert_same(ar.Series.load(store), in_memory)
     assert os.listdir(tmp_path) == [store.name]
     if ending == "sqlite":
-        with sqlite3.connect(store) as database:
+        with closing(sqlite3.connect(store)) as database, database:
             assert database.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
     calls.clear()
     assert_same(identified(store), in_memory)
@@ -278,10 +278,20 @@ def test_files_of_another_kind(tmp_path, name, content, said):
 def test_a_flipped_bit_is_told_and_takes_nothing_else(tmp_path, monkeypatch, ending, places):
     monkeypatch.setattr(stored_tests, "in_a_child", lambda *_: None)  # a process for each place takes long
     sets = [ar.AntiresonanceSet(0, {0: [2.0 + i, 50.0], 1: [3.0]}) for i in range(30)]
-    series = ar.Series.from_sets(sets, names=[f"t{i}" for i in range(30)])
+    sets = [one.add(1, 9.0, reason=f"seen in curve {i}") for i, one in enumerate(sets)]
+    temperature_c = 20.0 + np.arange(30.0) / 8.0
+    series = ar.Series.from_sets(
+        sets, names=[f"t{i}" for i in range(30)], conditions={"temperature_c": temperature_c}
+    )
     file, torn = tmp_path / f"good.{ending}", tmp_path / f"torn.{ending}"
     series.save(file)
     rng, lost = np.random.default_rng(4), []
+
+    def tests(series):
+        values = zip(series, map(repr, series.conditions["temperature_c"]), strict=True)
+        return dict(zip(series.names, ((one, str(one), more) for one, more in values), strict=True))
+
+    whole = tests(series)
     for _ in range(places):
         data = bytearray(file.read_bytes())
         data[int(rng.integers(len(data)))] ^= 1 << int(rng.integers(8))
@@ -289,11 +299,10 @@ def test_a_flipped_bit_is_told_and_takes_nothing_else(tmp_path, monkeypatch, end
         with warnings.catch_warnings(record=True) as told:
             warnings.simplefilter("always")
             try:
-                found = ar.Series.load(torn)
-                there = dict(zip(found.names, map(repr, found), strict=True))
+                there = tests(ar.Series.load(torn))
             except ar.AntiresError:
                 continue
-        lost.append(sum(there.get(name) != repr(one) for name, one in zip(series.names, sets, strict=True)))
+        lost.append(sum(there.get(name) != one for name, one in whole.items()))
         assert told or not lost[-1]
     assert np.mean(np.array(lost) <= 1) > 0.97  # a page of the database has several tests
 

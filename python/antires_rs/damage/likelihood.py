@@ -290,6 +290,10 @@ def _from(
     s and taus are ``fixed`` where they are not to be learned."""
     from scipy.linalg import cho_factor, cho_solve
 
+    def solved(b: FloatArray) -> FloatArray:
+        """By the factor of this round; nothing where no value has a partner, which SciPy 1.12 refuses."""
+        return cho_solve(factor, b) if b.size else b
+
     plain = values.plain.log_f
     low, high = plain.min(), plain.max()
     n, settled = theta.size, False
@@ -314,17 +318,17 @@ def _from(
             s, taus = _scales(rows, y, std, group, intact.kind)
         prior = np.concatenate([s[group] ** 2, taus[intact.kind] ** 2])
         factor = cho_factor((rows * prior) @ rows.T + np.diag(std**2), lower=True)
-        mean = prior * (rows.T @ cho_solve(factor, y))
+        mean = prior * (rows.T @ solved(y))
         if last:
             break
         step_by = mean[:n] - theta
         theta = np.clip(theta + np.clip(step_by, -_STEP, _STEP), least, _REACH)
         settled = nth >= len(_FIRST) and bool(np.abs(step_by).max(initial=0.0) < _SETTLED)
-    log_evidence = -0.5 * float(y @ cho_solve(factor, y)) - float(np.log(np.diag(factor[0])).sum())
+    log_evidence = -0.5 * float(y @ solved(y)) - float(np.log(np.diag(factor[0])).sum())
     log_evidence -= 0.5 * y.size * float(np.log(2.0 * np.pi)) + (values.size - y.size) * alone
     mean[:n] -= theta
     by_factors = (rows[:, :n] * s[group]) @ (rows[:, :n] * s[group]).T
-    spare = y.size - float(np.trace(cho_solve(factor, by_factors)))
+    spare = y.size - float(np.trace(solved(by_factors)))
     lost = values.size - y.size
     log_evidence -= 0.5 * float(np.sum((np.log(s / np.array([S[0], S_JOINTS[0]])[: s.size]) / S[1]) ** 2))
     rest = mean, rows, prior, factor, log_evidence, lost

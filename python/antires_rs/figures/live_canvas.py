@@ -54,6 +54,7 @@ def hover(fig: Any, renderers: Sequence[Any], says: Mapping[str, str], **options
 def below(fig: Any, *, side_by_side: int = 2) -> None:
     """Move the legend under the figure; a click on an entry hides what it is of. Two fit on a telephone."""
     for legend in list(fig.legend):
+        fig.center.remove(legend)  # bokeh 3.4 leaves it there too
         fig.add_layout(legend, "below")
         legend.update(ncols=side_by_side, click_policy="hide", label_text_color=INK, **LEGEND)
 

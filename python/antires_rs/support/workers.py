@@ -270,10 +270,12 @@ class Processes:
             return future
 
     def _back(self, process: Any, future: Any) -> None:
-        if future.cancelled() or not isinstance(future.exception(), BrokenExecutor):
-            self._idle.append(process)
-        elif process in self._all:
+        if process not in self._all:
+            return
+        if isinstance(future.exception(), BrokenExecutor):
             self._all.remove(process)
+        else:
+            self._idle.append(process)
 
     def shutdown(self, at_once: bool) -> None:
         """End all processes, and what they have begun, those at work only ``at_once``."""
@@ -406,12 +408,14 @@ class Workers:
         """End what is of our own; begin nothing more elsewhere."""
         at_once = at_once or bool(self._flying)
         flying, self._flying = self._flying, {}
+        if isinstance(self._executor, Processes):
+            # Cancelled here, a task that has not begun stops loky's own thread, and the process lives on.
+            self._executor.shutdown(at_once)
+            return
         for future in flying:
             with suppress(Exception):  # there may be no scheduler to be told
                 future.cancel()
-        if isinstance(self._executor, Processes):
-            self._executor.shutdown(at_once)
-        elif self._own and hasattr(self._executor, "shutdown"):
+        if self._own and hasattr(self._executor, "shutdown"):
             self._executor.shutdown(wait=not at_once, cancel_futures=True)
 
     def in_order(self, tasks: Iterable[Any], *, errors: Errors = "raise", what: str = "") -> Iterator[Any]:

@@ -253,7 +253,7 @@ def update_ensemble(
                 reject(part("problems", k), problem, "an UpdatingProblem", "Make one of it first.")
             kept.append(problems if problem is None else problem)  # type: ignore[arg-type]
             own = np.random.SeedSequence(seed, spawn_key=(k,))
-            seeds.append(int(own.generate_state(1, np.uint64)[0] >> 1))
+            seeds.append(int(own.generate_state(1, np.uint64)[0]) >> 1)
             yield problem, seeds[-1]
 
     results: list[UpdateResult | None] = []

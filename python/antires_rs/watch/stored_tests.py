@@ -152,7 +152,7 @@ class Row(Entry):
         own = {each.name: getattr(entry, each.name) for each in fields(Entry)}
         force = Dofs.of_file(facts["excitation"]) if facts else None
         own |= {"failed": failed, "count": sum(counts), "excitation": force}
-        return cls(**own, dofs=tuple(dofs), kinds=tuple(kinds), plain=plain)
+        return cls(**own, dofs=tuple(dict.fromkeys(dofs)), kinds=tuple(kinds), plain=plain)  # hashable
 
     @classmethod
     def packed(cls, entry: Entry, outcome: Plain | str) -> Row:
