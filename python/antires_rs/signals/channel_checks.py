@@ -614,7 +614,10 @@ def in_phase(seen: Evidence) -> CheckResults:
         if not fits and not found:
             why = "at too few lines do the channels rise out of their noise in phase or against phase"
             return [NotTested(TIME_SHIFT, why), NotTested(QUADRATURE, why)]
-        off = sorted((p for p, fit in fits.items() if _off(seen, fit)), key=lambda p: fits[p].chance)
+        # Channels whose phase a delay that matters, or a right angle, explains.
+        mended = {p: fit for p, fit in fits.items() if fit.fits >= max(IN_PHASE, fit.in_phase + MENDED)}
+        off = [p for p, fit in mended.items() if fit.quadrature or _shift_deg(seen, fit) >= SHIFT_DEG]
+        off = sorted((p for p in off if fits[p].chance < FALSE_ALARMS), key=lambda p: fits[p].chance)
         # What the others say of each other; of two no one knows which is off.
         others = (_fits(seen, [q for q in left if q != p]) if len(left) > 3 else {} for p in off)
         worst = next((p for p, rest in zip(off, others, strict=True) if _proved(fits[p], rest)), None)
@@ -625,12 +628,6 @@ def in_phase(seen: Evidence) -> CheckResults:
             break
         left.remove(worst)
     return found
-
-
-def _off(seen: Evidence, fit: Fit) -> bool:
-    """Whether a delay that matters, or a right angle, explains why a channel is out of phase."""
-    mends = fit.fits >= IN_PHASE and fit.fits - fit.in_phase >= MENDED and fit.chance < FALSE_ALARMS
-    return mends and (fit.quadrature or _shift_deg(seen, fit) >= SHIFT_DEG)
 
 
 def _proved(fit: Fit, others: dict[int, Fit]) -> bool:
