@@ -84,7 +84,7 @@ def test_noise_of_minors_is_that_of_many_records(order):
     x += (rng.standard_normal(x.shape) + 1j * rng.standard_normal(x.shape)) / np.sqrt(2)
     segments = Segments.of(x)
     values, vectors = subspace(segments.matrix, np.ones(n))
-    some = Subspaces(np.arange(float(trials)), values, vectors, segments, order)
+    some = Subspaces(np.arange(float(trials)), values, vectors, segments, order, np.ones(trials))
     rows = rows_of(n, order)
     true = minors_of(signal[None], rows)[0]
     own = some.minors(rows)
@@ -131,13 +131,19 @@ def lines_of(some, rows, leakage):
     return MinorLines(some.freq_hz, some.minors(rows).T, 1.0 / some.noise, 0.0, some.segments, **own)
 
 
-def test_what_a_window_leaks_from_line_to_line_is_taken_out():
-    """The expected spectra under a Hann window, which puts a sixth of the power into each line beside."""
+@pytest.mark.parametrize("noise", [1.0, 1e-6])
+def test_what_a_window_leaks_from_line_to_line_is_taken_out(noise):
+    """The expected spectra under a Hann window, which puts a sixth of the power into each line beside.
+
+    With hardly any noise it is what leaks that the level of every line tells.
+    """
     freq_hz, exact, rows = np.linspace(5.0, 70.0, 1000), Receptances(STRUCTURE, (0, 2)), rows_of(5, 2)
     a = exact.at(2j * np.pi * freq_hz) / np.sqrt(1e-4)
     sharp = a @ a.conj().transpose(0, 2, 1)
-    seen = sharp[1:-1] * 2.0 / 3.0 + (sharp[:-2] + sharp[2:]) / 6.0 + np.eye(5)
-    some = Subspaces(freq_hz[1:-1], *subspace(seen.conj(), np.ones(5)), None, 2)
+    seen = sharp[1:-1] * 2.0 / 3.0 + (sharp[:-2] + sharp[2:]) / 6.0 + noise * np.eye(5)
+    values, vectors = subspace(seen.conj(), np.ones(5))
+    floor = minors.floor_of(values, 2)
+    some = Subspaces(freq_hz[1:-1], values / floor[:, None], vectors, None, 2, floor)
     bound, off = Bound(STRUCTURE, (0, 2), 1.0, 0.0), []
     for leakage in (np.empty(0), np.array([1.0 / 6.0])):
         best = likeliest_columns(lines_of(some, rows, leakage), 40)
@@ -165,7 +171,7 @@ def test_zeros_of_a_fit_scatter_by_the_bound():
 
     for _ in range(10):
         segments = Segments.of(a @ circular(500, 2, looks) + circular(500, 5, looks))
-        some = Subspaces(freq_hz, *subspace(segments.matrix, np.ones(5)), segments, 2)
+        some = Subspaces(freq_hz, *subspace(segments.matrix, np.ones(5)), segments, 2, np.ones(500))
         lines = lines_of(some, rows, np.empty(0))
         best = likeliest_columns(lines, 40)
         influence = best.influence(lines)
@@ -189,7 +195,7 @@ def test_zeros_of_a_fit_scatter_by_the_bound():
 
 
 def test_without_noise_errors_hold_what_leakage_scatters_by():
-    """What leaks into one segment the next takes back: by independent segments the rms is 0.72, now 0.87."""
+    """What leaks into one segment the next takes back: by independent segments the rms is 0.73, now 0.89."""
     bound, off = Bound(STRUCTURE, (0, 2), 1.0, 0.0), []
     for seed in range(6):
         record = modal_record(STRUCTURE, (0, 2), 300.0, 0.0, seed)
@@ -202,7 +208,7 @@ def test_without_noise_errors_hold_what_leakage_scatters_by():
         off.append(verdict_of(zeros, exact, STRUCTURE.band_hz, held_of=bound.zeros).deviations)
     off = np.concatenate(off)
     assert off.size >= 60
-    assert 0.77 < np.sqrt(np.mean(off**2)) < 1.3
+    assert 0.78 < np.sqrt(np.mean(off**2)) < 1.3
 
 
 def test_the_noise_of_a_channel_that_the_signal_holds_is_told():

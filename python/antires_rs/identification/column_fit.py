@@ -204,8 +204,8 @@ class ColumnFit(NumeratorFit):
 
         ``shares`` are those of the power that go to the next line, the one after it, ... to either side.
         """
-        state, above = self.state(columns), self._above[:, None]
-        signal = (state.b * above) @ state.b.conj().transpose(0, 2, 1)
+        state, power = self.state(columns), self._above[:, None] * seen.floor[:, None, None]
+        signal = (state.b * power) @ state.b.conj().transpose(0, 2, 1)
         spacing_hz = float(np.diff(seen.freq_hz).min())
         of_columns = np.zeros((*state.n.shape[:2], state.n.shape[1]), dtype=np.complex128)
         for k, share in enumerate(shares.tolist(), 1):
@@ -215,7 +215,7 @@ class ColumnFit(NumeratorFit):
                 n = (share * both)[:, None, None] * state.n[there]
                 of_columns[k:-k] += n @ signal[there] @ state.n[there].conj().transpose(0, 2, 1)
         inside = state.n @ state.inverse
-        of_columns -= inside @ of_columns @ inside
+        of_columns = (of_columns - inside @ of_columns @ inside) / seen.floor[:, None, None]
         matrix = (seen.vectors * seen.values[:, None]) @ seen.vectors.conj().transpose(0, 2, 1) - of_columns
         self._basis = np.linalg.eigh(matrix)[1][:, :, : -self.step - 1 : -1]
 

@@ -185,7 +185,8 @@ def floor_of(values: FloatArray, order: int) -> FloatArray:
 class Subspaces:
     """The dominant subspaces of a record by line, in units in which all channels have unit noise.
 
-    ``values`` (n_freq, n), largest first, ``vectors`` (n_freq, n, n), ``segments`` those of the channels.
+    ``values`` (n_freq, n), largest first, ``vectors`` (n_freq, n, n), ``segments`` those of the channels;
+    ``floor`` (n_freq,) is what the powers of each line were divided by.
     """
 
     freq_hz: FloatArray
@@ -193,6 +194,7 @@ class Subspaces:
     vectors: ComplexArray
     segments: Segments | None
     order: int
+    floor: FloatArray
 
     @property
     def gaps(self) -> FloatArray:
@@ -233,6 +235,7 @@ class Subspaces:
             values=self.values[lines],
             vectors=self.vectors[lines],
             segments=segments,
+            floor=self.floor[lines],
         )
 
     @property
@@ -266,7 +269,7 @@ def subspaces(averages: Averages, order: int) -> Subspaces:
     segments = spectra.segments
     if segments is not None:
         segments = segments.times(1.0 / np.sqrt(noise * floor[:, None]))
-    return Subspaces(spectra.freq_hz, values / floor[:, None], vectors, segments, order)
+    return Subspaces(spectra.freq_hz, values / floor[:, None], vectors, segments, order, floor)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -376,8 +379,8 @@ class MinorsOfRecord:
     ) -> tuple[FloatArray, FloatArray, ComplexArray]:
         """The same minors in other spectra, as ``dominant`` gives the direction of all responses."""
         values, vectors = subspace(matrix, scale)
-        made = Subspaces(np.empty(0), values, vectors, None, self._subspaces.order)
-        floor = floor_of(values, made.order)
+        floor = floor_of(values, self._subspaces.order)
+        made = Subspaces(np.empty(0), values, vectors, None, self._subspaces.order, floor)
         signal = 1.0 / replace(made, values=values / floor[:, None]).noise
         return signal * floor, floor, unit(made.minors(self._rows), axis=1)
 

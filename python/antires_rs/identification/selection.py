@@ -39,8 +39,6 @@ from .stabilization import PRESENCE, StabilizationDiagram, Window, diagram
 ABOVE = 4  # orders above the likeliest that are compared with it
 LARGEST = 3.0  # the largest shift over the next, at most
 SAME_ROOT = 0.01  # a root further off than this share of the frequency is another one
-# What no order shows of it, in line spacings, in minors; from chain8 without noise, seeds 100 to 105.
-LEAKAGE = 0.0025
 
 
 def order_scatter(s: ComplexArray, roots: Sequence[ComplexArray], count: Any = 1) -> FloatArray:
@@ -150,8 +148,6 @@ def select(
         s, share, std, count = _candidates(best, influence, sweep, own, lines, window.report_hz, rule)
         scatter = order_scatter(s, [every[row] for every in other_orders], count)
         std = np.hypot(std, scatter)
-        if lines.order > 1:
-            std = np.hypot(std, LEAKAGE * float(np.median(np.diff(lines.freq_hz))))
         seen = _seen(s, sweep, higher, rule)
         counts = np.array([len(own) for own in seen], dtype=int)
         stays = (counts > rule.min_rows) & (counts >= PRESENCE * len(higher))
