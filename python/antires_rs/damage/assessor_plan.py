@@ -457,7 +457,7 @@ class TabulatedLikelihood(Likelihood):
 
     def without_damage(self, extra: Any, common: float) -> View:
         """See the base class; by the tables."""
-        return self._told(np.zeros(self.n), self._test(extra, common).look([], []))
+        return self._from_tables(np.zeros(self.n), self._test(extra, common).look([], []))
 
     def log_without_damage(self, extra: float, common: float) -> float:
         """The same without slopes."""
@@ -466,9 +466,9 @@ class TabulatedLikelihood(Likelihood):
     def seen(self, elements: Elements, u: FloatArray) -> View:
         """From severities of some elements, by the tables."""
         (beta,) = self.rows(elements, -np.expm1(-u)[None])
-        return self._told(beta, self.test.look(list(elements), u.tolist()))
+        return self._from_tables(beta, self.test.look(list(elements), u.tolist()))
 
-    def _told(self, beta: FloatArray, found: Any) -> View:
+    def _from_tables(self, beta: FloatArray, found: Any) -> View:
         log_likelihood, gain, curvature, error, *rest = found
         kappa, times = self.errors[error, :2].tolist()
         rest.append(self.error.gain_std)
@@ -543,7 +543,7 @@ class QuickSearch(Search):
         fits |= self._cracked([(other, shapes[other - first].size, best.u) for other in (k - 1, k + 1)], top)
         best = max(fits.values(), key=lambda fit: fit.log_evidence)
         (beta,) = likelihood.rows(s, best.beta[None])
-        view = likelihood._told(beta, test.look(list(best.elements), best.u.tolist()))
+        view = likelihood._from_tables(beta, test.look(list(best.elements), best.u.tolist()))
         # At all other places it explains next to nothing.
         rest = replace(best, log_evidence=best.log_evidence - _CRACK_HOPELESS)
         every = {*fits, *(first + k for k in range(1, len(shapes), 2))}

@@ -581,7 +581,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
             named = key_of(force, [row["dof"] for row in data["dofs"]], listed or ())
             edits = tuple(edit_of(row) for row in data.get("edits", ()))
             left_out = [{**row["left_out"], "dof": row["dof"]} for row in data["dofs"] if "left_out" in row]
-            peaks = {row["dof"]: row["unexplained_hz"] for row in data["dofs"] if "unexplained_hz" in row}
+            peaks = [(row["dof"], row["unexplained_hz"]) for row in data["dofs"] if "unexplained_hz" in row]
             tables = {dof: marked(table, dof, edits) for dof, table in _read(data["dofs"], named).items()}
             return cls.from_tables(
                 force,
@@ -590,8 +590,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
                 before=_read(data["before_edits"], named) if edits else None,
                 left_out=_read(left_out, named) if left_out else None,
                 unexplained_hz={
-                    Dofs.of_file(dof): frozen(frequencies_hz(f"peaks of {dof!r}", hz))
-                    for dof, hz in peaks.items()
+                    Dofs.of_file(dof): frozen(frequencies_hz(f"peaks of {dof!r}", hz)) for dof, hz in peaks
                 },
                 sees=data.get("sees"),
                 channels=listed,
