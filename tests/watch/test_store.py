@@ -307,6 +307,48 @@ def test_a_flipped_bit_is_told_and_takes_nothing_else(tmp_path, monkeypatch, end
     assert np.mean(np.array(lost) <= 1) > 0.97  # a page of the database has several tests
 
 
+def test_facts_of_a_series_that_were_changed_are_told(tmp_path):
+    store = tmp_path / "year.sqlite"
+    stopped(store)
+    with closing(sqlite3.connect(store)) as database, database:
+        changed = "UPDATE series SET value = replace(value, '16', '18') WHERE name = 'config'"
+        assert database.execute(changed).rowcount == 1
+        assert (
+            '"max_order": 18'
+            in database.execute("SELECT value FROM series WHERE name = 'config'").fetchone()[0]
+        )
+    with pytest.warns(ar.AntiresWarning, match="the facts about it"):
+        ar.Series.load(store)
+    refused("the facts about it", identified, store)
+
+
+@pytest.mark.parametrize("column", ["temperature_c", "freq_hz"])  # read when opened, and when a set is asked
+def test_every_flipped_bit_of_a_column_is_told(tmp_path, monkeypatch, column):
+    from pyarrow import parquet
+
+    monkeypatch.setattr(stored_tests, "in_a_child", lambda *_: None)
+    sets = [ar.AntiresonanceSet(0, {0: [2.0 + 0.37 * i, 50.0 + 0.11 * i]}) for i in range(8)]
+    series = ar.Series.from_sets(sets, conditions={"temperature_c": 20.0 + 0.731 * np.arange(8.0)})
+    file, torn = tmp_path / "good.parquet", tmp_path / "torn.parquet"
+    series.save(file)
+    about = parquet.read_metadata(file)
+    group = about.row_group(0)
+    chunk = next(c for c in map(group.column, range(group.num_columns)) if c.path_in_schema == column)
+    first = chunk.dictionary_page_offset or chunk.data_page_offset
+    for place in range(first, first + chunk.total_compressed_size):
+        data = bytearray(file.read_bytes())
+        data[place] ^= 1
+        torn.write_bytes(data)
+        try:
+            again = ar.Series.load(torn)
+            assert (
+                again.conditions["temperature_c"].tolist() == series.conditions["temperature_c"].tolist()
+            ), place
+            assert list(again) == sets, place
+        except ar.AntiresError:
+            continue
+
+
 def test_a_store_of_the_version_before_goes_on(tmp_path, in_memory):
     store = tmp_path / "year.sqlite"
     stopped(store)
