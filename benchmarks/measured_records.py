@@ -4,7 +4,10 @@ No truth is needed. Each record is identified with the defaults in two bands, fr
 channel less; or from 30 s, 60 s and all that follows a hit. A value counts where another variant could see
 it, and is found again within 1 %. The table says how many values a variant has: none is consistent, too.
 
-    python -m benchmarks.measured_records      # needs shake_table and frame3_hits, see reference/measured.py
+Which halves and what noise perturb the fits is drawn once, the same for every call of the library; other
+draws move a share by some 6 points, so the table is their mean, with the least and the largest.
+
+    python -m benchmarks.measured_records --draws 3    # needs data, see reference/measured.py
 """
 
 from __future__ import annotations
@@ -13,12 +16,14 @@ import os
 
 os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before numpy: more threads make these small matrices slower
 
+import argparse
 import time
 import warnings
 
 import numpy as np
 
 import antires_rs as ar
+from antires_rs.identification import stability
 from reference.measured import DATA
 
 TOLERANCE = 0.01
@@ -66,22 +71,36 @@ def again(one, other, band_hz):
     return found, could
 
 
+def drawn(variants, excitation, seed):
+    """(values found again, that could be) of all pairs of variants, values a variant, and what was fitted."""
+    stability.SEED = seed
+    sets = [ar.identify_antiresonances(r, excitation=excitation, band_hz=b) for r, b in variants]
+    counts = np.zeros(2, dtype=int)
+    for i, (_, a) in enumerate(variants):
+        for j, (_, b) in enumerate(variants):
+            if i != j:
+                counts += again(sets[i], sets[j], (max(a[0], b[0]), min(a[1], b[1])))
+    return counts, [sum(map(len, s.values())) for s in sets], {s.options["fitted"] for s in sets}
+
+
 def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--draws", type=int, default=3)
+    args = parser.parse_args()
+    first = stability.SEED
     warnings.simplefilter("ignore", ar.exceptions.AntiresWarning)
-    print("| record | found again | values a variant | fitted | CPU s a variant |\n|---|---|---|---|---|")
+    print("| record | found again | of | values a variant | fitted | CPU s |\n|---|---|---|---|---|---|")
     for name, excitation, variants in (*shaken(), *hit()):
         start = time.process_time()
-        sets = [ar.identify_antiresonances(r, excitation=excitation, band_hz=b) for r, b in variants]
-        seconds = (time.process_time() - start) / len(sets)
-        counts = np.zeros(2, dtype=int)
-        for i, (_, a) in enumerate(variants):
-            for j, (_, b) in enumerate(variants):
-                if i != j:
-                    counts += again(sets[i], sets[j], (max(a[0], b[0]), min(a[1], b[1])))
-        share = f"{counts[0] / counts[1]:.0%} of {counts[1]}" if counts[1] else "none"
-        sizes = " ".join(str(sum(map(len, s.values()))) for s in sets)
-        fitted = ", ".join(sorted({s.options["fitted"] for s in sets}))
-        print(f"| {name} | {share} | {sizes} | {fitted} | {seconds:.2f} |", flush=True)
+        each = [drawn(variants, excitation, first + k) for k in range(args.draws)]
+        seconds = (time.process_time() - start) / len(variants) / args.draws
+        counts = np.array([one for one, _, _ in each])
+        shares = counts[:, 0] / np.maximum(counts[:, 1], 1)
+        of = int(counts[:, 1].mean())
+        found = f"{shares.mean():.0%} ({shares.min():.0%} to {shares.max():.0%})" if of else "none"
+        sizes = " ".join(f"{np.mean(own):.2g}" for own in zip(*(one for _, one, _ in each), strict=True))
+        fitted = ", ".join(sorted(set().union(*(one for _, _, one in each))))
+        print(f"| {name} | {found} | {of} | {sizes} | {fitted} | {seconds:.2f} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -34,7 +34,7 @@ MOST_LINES, LEAST_LINES = 96, 16  # lines of a stretch that are fitted: more tel
 MOST_DIRECTIONS = 5  # directions of the channels that a fit keeps: polynomials of order m span at most m + 1
 PASSES = 3  # passes of "weights from the fit before"
 #: Inverse iterations towards the smallest eigenvalue, and what keeps exact data from being singular.
-ITERATIONS, RIDGE = 4, 1e-11
+ITERATIONS, RIDGE = 20, 1e-11
 LEAST_SIZE = 1e-6  # least squared size of N over the largest of the stretch
 AT_A_TIME = 1 << 21  # numbers that are worked on at a time
 
@@ -134,7 +134,7 @@ def fits(
     for _ in range(PASSES):
         root = np.sqrt(w / size)[..., None]
         q, _ = np.linalg.qr(root * powers)
-        ((c, _),) = _smallest(q, u[:, :1], (middle,))
+        ((c, _),) = _smallest(q, u[:, :1], held[:, :1], (middle,))
         values = (q[..., : middle + 1] @ c[:, 0]) / np.where(root > 0.0, root, np.inf)
         size = np.sum(np.abs(values) ** 2, axis=2)
         size = np.maximum(size, LEAST_SIZE * size.max(axis=1, keepdims=True))
@@ -143,7 +143,7 @@ def fits(
     q, r = np.linalg.qr(np.sqrt(w / size)[..., None] * powers)
     solved = np.linalg.inv(r)
     by_order, misfit = {}, {}
-    for m, (c, misfit[m]) in zip(orders, _smallest(q, u, orders), strict=True):
+    for m, (c, misfit[m]) in zip(orders, _smallest(q, u, held, orders), strict=True):
         by_order[m] = solved[:, None, : m + 1, : m + 1] @ c @ held.transpose(0, 1, 3, 2)
     return [
         LocalFits(
@@ -157,7 +157,7 @@ def fits(
 
 
 def _smallest(
-    q: FloatArray, u: ComplexArray, orders: tuple[int, ...]
+    q: FloatArray, u: ComplexArray, held: ComplexArray, orders: tuple[int, ...]
 ) -> list[tuple[ComplexArray, FloatArray]]:
     """Coefficients (n_stretches, n_views, order + 1, n_directions) of least misfit, and it, by order."""
     *shape, n_lines, n = u.shape
@@ -165,11 +165,13 @@ def _smallest(
     a = (q[:, None, :, :terms, None] * u.conj()[..., None, :]).reshape(*shape, n_lines, terms * n)
     form = np.eye(terms * n) * (1.0 + RIDGE) - a.conj().swapaxes(-1, -2) @ a
     inverse = np.linalg.inv(np.linalg.cholesky(form))
+    # Begun from the same numerators whatever signs and order the eigenvectors have, which rounding may change.
+    begin = np.exp(1j * np.arange(terms * held.shape[-2])).reshape(terms, -1) @ held.conj()
     found = []
     for m in orders:
         size = (m + 1) * n
         low = inverse[..., :size, :size]
-        c = np.broadcast_to(np.exp(1j * np.arange(size))[:, None], (*shape, size, 1))
+        c = begin[..., : m + 1, :].reshape(*shape, size, 1)
         for _ in range(ITERATIONS):
             c = low.conj().swapaxes(-1, -2) @ (low @ c)
             c = c / np.linalg.norm(c, axis=-2, keepdims=True)

@@ -64,7 +64,7 @@ from .stabilization import StabilizationDiagram, of_zeros
 # -- The looks of a record
 
 
-VIEWS, GROUPS = 12, 24  # perturbed views of a look: halves of groups of segments in complementary pairs
+VIEWS, GROUPS = 24, 24  # perturbed views of a look: halves of groups of segments in complementary pairs
 #: With fewer groups halves tell little, and noise is added instead; averages that the longer segments leave.
 LEAST_GROUPS, LEAST_AVERAGES = 6, 11.0
 LEAST_DRAWS = 4  # from so many records of one test on they are the groups
