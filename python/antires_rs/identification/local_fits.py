@@ -165,7 +165,7 @@ def _smallest(
     a = (q[:, None, :, :terms, None] * u.conj()[..., None, :]).reshape(*shape, n_lines, terms * n)
     form = np.eye(terms * n) * (1.0 + RIDGE) - a.conj().swapaxes(-1, -2) @ a
     inverse = np.linalg.inv(np.linalg.cholesky(form))
-    # Begun from the same numerators whatever signs and order the eigenvectors have, which rounding may change.
+    # From the same numerators whatever signs the eigenvectors have, which rounding may change.
     begin = np.exp(1j * np.arange(terms * held.shape[-2])).reshape(terms, -1) @ held.conj()
     found = []
     for m in orders:
