@@ -61,6 +61,23 @@ def test_repeats_of_a_job_and_files_of_one_command(tmp_path, impacts, monkeypatc
     assert "FILE: got 'job.toml' among several" in capsys.readouterr().err
 
 
+def test_a_file_with_channels_exchanged_is_named(tmp_path, impacts, monkeypatch, capsys):
+    swapped = ar.Recording(impacts[2].responses[[0, 2, 1, 3]], 512.0)
+    ar.write_npz(tmp_path / "hit_2.npz", swapped)
+    monkeypatch.chdir(tmp_path)
+    files = [f"hit_{i}.npz" for i in range(4)]
+    assert cli.main(["identify", *files, "--band", "3", "130", "--excitation", "0"]) == 0
+    told = (
+        "antires: warning: data check: records_differ: Record hit_2.npz: channels 1 and 2 look swapped (mean"
+    )
+    assert capsys.readouterr().err.startswith(told)
+    # A job calls the channels by the names that it gives them.
+    data = 'file = "hit_0.npz"\nrepeats = "hit_*.npz"\nexcitation = 0\nband_hz = [3.0, 130.0]\n'
+    data += "dofs = {0 = 0, 1 = 2, 2 = 4, 3 = 6}\n"
+    with pytest.warns(ar.exceptions.AntiresWarning, match="hit_2.npz: channels '1' and '2' look swapped"):
+        measured(tmp_path, data)
+
+
 def test_a_folder_of_frfs_is_identified_on_the_command_line_and_in_a_job(tmp_path, capsys):
     folder, freq = tmp_path / "frfs", np.arange(1, 1120) / 8
     folder.mkdir()

@@ -222,12 +222,16 @@ class Measurement:
         return [self._find(at, one) for one in dof] if isinstance(dof, list) else self._find(at, dof)
 
     def _by_name(self, text: str) -> str:
-        """A text on dofs of the model with what the user calls them."""
-
-        def named(found: re.Match[str]) -> str:
-            return found[1] + re.sub(r"\d+", lambda n: repr(self._names.get(int(n[0]), int(n[0]))), found[2])
-
-        return _DOFS.sub(named, text) if self._names else text
+        """A text on dofs of the model, and on records, with what the user calls them."""
+        if self.repeats:
+            files = [path.name for path in (self.file, *self.repeats)]
+            text = _RECORDS.sub(lambda one: _NUMBER.sub(lambda n: files[int(n[0])], one[0]), text)
+            text = re.sub("counted from 0; |, counted from 0", "", text)
+        if not self._names:
+            return text
+        return _DOFS.sub(
+            lambda one: _NUMBER.sub(lambda n: repr(self._names.get(int(n[0]), int(n[0]))), one[0]), text
+        )
 
     @contextmanager
     def _warned_by_name(self) -> Iterator[None]:
@@ -245,7 +249,7 @@ class Measurement:
 
     def _checked_by_name(self, found: AntiresonanceSet) -> AntiresonanceSet:
         check = found.data_check
-        if check is None or not self._names:
+        if check is None or not (self._names or self.repeats):
             return found
         name = self._by_name
         findings = [
@@ -309,7 +313,9 @@ def places_of(given: Any, known: Container[Any] = ()) -> list[Any]:
     return [int(name) if name.isdecimal() else name for name in names]
 
 
-_DOFS = re.compile(r"\b((?:[Dd]ofs?|[Cc]hannels?) )(\d+(?:(?:, | and | or )\d+)*)")
+_DOFS = re.compile(r"\b(?:[Dd]ofs?|[Cc]hannels?) \d+(?:(?:, | and | or )\d+)*")
+_RECORDS = re.compile(r"\b[Rr]ecords? \d+(?:(?:, | and )\d+)*")
+_NUMBER = re.compile(r"\d+")
 
 #: Keys of values that are dropped and added by hand, and what each does.
 EDITS: dict[str, Any] = {"drop": AntiresonanceSet.drop, "add": AntiresonanceSet.add}
