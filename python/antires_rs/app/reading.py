@@ -30,6 +30,7 @@ from ..measured.modal_set import ModalSet
 from ..models.structural_model import StructuralModel
 from ..signals.alignment import align
 from ..signals.frequency_response import FrequencyResponse, covered_hz
+from ..signals.recording import Recording
 from ..signals.repeats import one_source
 from ..support.messages import EDIT_WANTED, edit_named, some, warn
 from .arguments import dof_finder
@@ -547,6 +548,8 @@ class Call(Job):
         if signal is None:
             return
         low, high = covered_hz(signal)
+        if "fs_hz" in table and isinstance(signal, Recording):  # nothing in the file tells that it is wrong
+            hint(f"{signal.n_samples} samples at {signal.fs_hz:g} Hz are {signal.duration_s:.4g} s")
         if "excitation" not in table and not self._modes:
             wanted = "--excitation DOF, where the force acts"
             remedy = f"The file has the channels {some(map(repr, signal.dofs), _NAMED)}."
