@@ -61,6 +61,27 @@ def test_repeats_of_a_job_and_files_of_one_command(tmp_path, impacts, monkeypatc
     assert "FILE: got 'job.toml' among several" in capsys.readouterr().err
 
 
+def test_a_pattern_stands_for_files_and_a_folder_of_records_does_not(tmp_path, impacts, monkeypatch, capsys):
+    wanted = ar.identify_antiresonances(impacts, excitation=0, band_hz=(3, 130))
+    (one,) = measured(tmp_path, 'file = "hit_*.npz"\nexcitation = 0\nband_hz = [3.0, 130.0]\n')
+    assert one.found == wanted
+    folder, options = tmp_path / "hits", ["--band", "3", "130", "--excitation", "0"]
+    folder.mkdir()
+    for i, rec in enumerate(impacts):
+        ar.write_npz(folder / f"hit_{i}.npz", rec)
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["identify", "hits/hit_*.npz", *options]) == 0  # in quotes
+    assert capsys.readouterr().out.rstrip("\n") == str(wanted)
+    assert cli.main(["identify", "hits", *options]) == 1
+    said = capsys.readouterr().err
+    assert "with a record over time" in said
+    assert "Name the records, as in hits/*.npz, and not their folder" in said
+    assert cli.main(["watch", "hits/hit_0.npz", *options]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("antires: error: FOLDER: got 'hits/hit_0.npz', which is a file; wanted the folder")
+    assert "Name its folder, 'hits'; 'antires identify' takes files." in said
+
+
 def test_a_file_with_channels_exchanged_is_named(tmp_path, impacts, monkeypatch, capsys):
     swapped = ar.Recording(impacts[2].responses[[0, 2, 1, 3]], 512.0)
     ar.write_npz(tmp_path / "hit_2.npz", swapped)

@@ -361,10 +361,10 @@ def read_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
     measured = []
     for place, table in zip(job.data_places, job.data, strict=True):
         file = job.file(table["file"])
-        files: list[tuple[KeyPath, Path]] = [((*place, "file"), file)]
         if not file.is_dir():
             kind_of(job, place, table, file)  # an unknown ending is told before a file that is not there
-            job.existing(files[0][0], table["file"])
+        at: KeyPath = (*place, "file")
+        files = [(at, path) for path in job.files(at, table["file"], folders=True)]
         for at, name in _listed(table.get("repeats", []), (*place, "repeats")):
             known = {path.resolve() for _, path in files}  # the first is not read twice
             files += [(at, path) for path in job.files(at, name) if path.resolve() not in known]
@@ -600,6 +600,9 @@ def _given(values: dict[str, Any]) -> dict[str, Any]:
 
 def check_files(args: argparse.Namespace) -> None:
     """Check that the files are there, and of several that they are repeats of one test, of one format."""
+    # A pattern in quotes, or of a shell that does not replace it.
+    found = [sorted(file.parent.glob(file.name)) if "*" in file.name else [file] for file in args.files]
+    args.files = [path for file, paths in zip(args.files, found, strict=True) for path in paths or [file]]
     for file in args.files:
         if not file.is_dir():
             existing("FILE", file, "Name a measurement, or a job.")
