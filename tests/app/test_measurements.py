@@ -2,12 +2,16 @@
 
 import json
 import tomllib
+from contextlib import nullcontext
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 import antires_rs as ar
 from antires_rs.app import main as cli
+from antires_rs.app.arguments import dof_finder
 from antires_rs.app.job import read_job
 from antires_rs.app.reading import measured_of
 from antires_rs.app.run import measurement_of
@@ -147,6 +151,33 @@ def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
     assert cli.main([*call, "--force", "CH8", "--fs", "2048"]) == 0
     data = tomllib.loads(job.read_text())["data"]
     assert (data["fs_hz"], data["force"], data["dofs"]) == (2048.0, "CH8", {"a": "?", "b": "?"})
+
+
+def test_dofs_of_a_frame_in_every_spelling(tmp_path, capsys):
+    steel = {"youngs_modulus_pa": 2.1e11, "density_kg_per_m3": 7850.0}
+    tube = {"tube": ar.Tube(0.030, 0.0015, **steel)}
+    frame = ar.FrameModel(
+        [(0.0, 0.3 * i) for i in range(4)], [(i, i + 1, "tube") for i in range(3)], tube, fixed=[0]
+    )
+    job: Any = SimpleNamespace(sections={"model": {}}, blame=lambda *_: nullcontext())
+    find = dof_finder(job, frame)
+    for name in ("node 2 u", "2 u", "2:u", "2u", "2.u", "2_u", "node2u", "node 2 direction u"):
+        assert (frame.antiresonances([3], name)[0] == frame.antiresonances([3], frame.dof(2, "u"))[0]).all()
+        assert find((), name) == frame.dof(2, "u")
+    assert [find((), name) for name in ("CH2", "3rd floor", "2a", "1204+Z")] == [
+        "CH2",
+        "3rd floor",
+        "2a",
+        "1204+Z",
+    ]
+    record = np.random.default_rng(0).standard_normal((4, 500))
+    ar.write_csv(
+        tmp_path / "run.csv", ar.Recording(record, 100.0, dofs=["2:u", "1 v", "node 3 theta", "mic"])
+    )
+    job = tmp_path / "job.toml"
+    assert cli.main(["init", str(job), "--data", str(tmp_path / "run.csv"), "--model", "frame"]) == 0
+    dofs = tomllib.loads(job.read_text(encoding="utf-8"))["data"]["dofs"]
+    assert dofs == {"2:u": "node 2 u", "1 v": "node 1 v", "node 3 theta": "node 3 theta", "mic": "?"}
 
 
 def test_init_with_the_file_of_a_model_leaves_nothing_to_fill_in(tmp_path, capsys):

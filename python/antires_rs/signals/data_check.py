@@ -145,7 +145,12 @@ def of_recording(
         # a structure that changes between repeats looks like a second force.
         one = [replace(f, advice=f"{f.advice} {CHANGED}") if isinstance(f, Finding) else f for f in one]
     one = unlike or one
+    hidden = [
+        finding for finding in one if finding.name == one_force.NOISE
+    ]  # tells of widths and lengths too
+    one = [finding for finding in one if finding not in hidden]
     return [
+        *hidden,
         *said,
         *(apart or [*dead, *channels.in_phase(seen), *one]),  # without a common clock nothing is in common
         *channels.alike(seen),
