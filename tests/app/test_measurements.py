@@ -2,12 +2,16 @@
 
 import json
 import tomllib
+from contextlib import nullcontext
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 import antires_rs as ar
 from antires_rs.app import main as cli
+from antires_rs.app.arguments import dof_finder
 from antires_rs.app.job import read_job
 from antires_rs.app.reading import measured_of
 from antires_rs.app.run import measurement_of
@@ -61,6 +65,44 @@ def test_repeats_of_a_job_and_files_of_one_command(tmp_path, impacts, monkeypatc
     assert "FILE: got 'job.toml' among several" in capsys.readouterr().err
 
 
+def test_a_pattern_stands_for_files_and_a_folder_of_records_does_not(tmp_path, impacts, monkeypatch, capsys):
+    wanted = ar.identify_antiresonances(impacts, excitation=0, band_hz=(3, 130))
+    (one,) = measured(tmp_path, 'file = "hit_*.npz"\nexcitation = 0\nband_hz = [3.0, 130.0]\n')
+    assert one.found == wanted
+    folder, options = tmp_path / "hits", ["--band", "3", "130", "--excitation", "0"]
+    folder.mkdir()
+    for i, rec in enumerate(impacts):
+        ar.write_npz(folder / f"hit_{i}.npz", rec)
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["identify", "hits/hit_*.npz", *options]) == 0  # in quotes
+    assert capsys.readouterr().out.rstrip("\n") == str(wanted)
+    assert cli.main(["identify", "hits", *options]) == 1
+    said = capsys.readouterr().err
+    assert "with a record over time" in said
+    assert "Name the records, as in hits/*.npz, and not their folder" in said
+    assert cli.main(["watch", "hits/hit_0.npz", *options]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("antires: error: FOLDER: got 'hits/hit_0.npz', which is a file; wanted the folder")
+    assert "Name its folder, 'hits'; 'antires identify' takes files." in said
+
+
+def test_a_file_with_channels_exchanged_is_named(tmp_path, impacts, monkeypatch, capsys):
+    swapped = ar.Recording(impacts[2].responses[[0, 2, 1, 3]], 512.0)
+    ar.write_npz(tmp_path / "hit_2.npz", swapped)
+    monkeypatch.chdir(tmp_path)
+    files = [f"hit_{i}.npz" for i in range(4)]
+    assert cli.main(["identify", *files, "--band", "3", "130", "--excitation", "0"]) == 0
+    told = (
+        "antires: warning: data check: records_differ: Record hit_2.npz: channels 1 and 2 look swapped (mean"
+    )
+    assert capsys.readouterr().err.startswith(told)
+    # A job calls the channels by the names that it gives them.
+    data = 'file = "hit_0.npz"\nrepeats = "hit_*.npz"\nexcitation = 0\nband_hz = [3.0, 130.0]\n'
+    data += "dofs = {0 = 0, 1 = 2, 2 = 4, 3 = 6}\n"
+    with pytest.warns(ar.exceptions.AntiresWarning, match="hit_2.npz: channels '1' and '2' look swapped"):
+        measured(tmp_path, data)
+
+
 def test_a_folder_of_frfs_is_identified_on_the_command_line_and_in_a_job(tmp_path, capsys):
     folder, freq = tmp_path / "frfs", np.arange(1, 1120) / 8
     folder.mkdir()
@@ -109,6 +151,33 @@ def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
     assert cli.main([*call, "--force", "CH8", "--fs", "2048"]) == 0
     data = tomllib.loads(job.read_text())["data"]
     assert (data["fs_hz"], data["force"], data["dofs"]) == (2048.0, "CH8", {"a": "?", "b": "?"})
+
+
+def test_dofs_of_a_frame_in_every_spelling(tmp_path, capsys):
+    steel = {"youngs_modulus_pa": 2.1e11, "density_kg_per_m3": 7850.0}
+    tube = {"tube": ar.Tube(0.030, 0.0015, **steel)}
+    frame = ar.FrameModel(
+        [(0.0, 0.3 * i) for i in range(4)], [(i, i + 1, "tube") for i in range(3)], tube, fixed=[0]
+    )
+    job: Any = SimpleNamespace(sections={"model": {}}, blame=lambda *_: nullcontext())
+    find = dof_finder(job, frame)
+    for name in ("node 2 u", "2 u", "2:u", "2u", "2.u", "2_u", "node2u", "node 2 direction u"):
+        assert (frame.antiresonances([3], name)[0] == frame.antiresonances([3], frame.dof(2, "u"))[0]).all()
+        assert find((), name) == frame.dof(2, "u")
+    assert [find((), name) for name in ("CH2", "3rd floor", "2a", "1204+Z")] == [
+        "CH2",
+        "3rd floor",
+        "2a",
+        "1204+Z",
+    ]
+    record = np.random.default_rng(0).standard_normal((4, 500))
+    ar.write_csv(
+        tmp_path / "run.csv", ar.Recording(record, 100.0, dofs=["2:u", "1 v", "node 3 theta", "mic"])
+    )
+    job = tmp_path / "job.toml"
+    assert cli.main(["init", str(job), "--data", str(tmp_path / "run.csv"), "--model", "frame"]) == 0
+    dofs = tomllib.loads(job.read_text(encoding="utf-8"))["data"]["dofs"]
+    assert dofs == {"2:u": "node 2 u", "1 v": "node 1 v", "node 3 theta": "node 3 theta", "mic": "?"}
 
 
 def test_init_with_the_file_of_a_model_leaves_nothing_to_fill_in(tmp_path, capsys):

@@ -1,5 +1,6 @@
 """Several records, or several impacts, of one test: one set of antiresonances with honest errors."""
 
+import re
 from functools import cache
 
 import numpy as np
@@ -179,3 +180,56 @@ def test_intervals_cover_what_other_tests_would_give(kind, first):
     # 90 % of values on 5 + 8 degrees of freedom; all values of a list share its shifts, so that lists differ.
     assert np.mean(np.abs(scores) < 1.77) >= 0.8
     assert 0.7 < np.median(stated) < 1.7
+
+
+# -- Records that are not of one test
+
+
+def differing(records):
+    found = ar.check_data(records, excitation=0, band_hz=BAND).named("records_differ")
+    assert {one.severity for one in found} <= {"fatal"}
+    return [one.text for one in found]
+
+
+def changed(rec, rows=range(8), signs=1.0):
+    return ar.Recording(np.array(signs).reshape(-1, 1) * rec.responses[list(rows)], rec.fs_hz)
+
+
+@pytest.mark.parametrize("record", [impact, shaken])
+def test_channels_that_are_exchanged_in_one_record_are_named(record):
+    first, second, third, last = (record(seed) for seed in range(4))
+    assert not differing([first, second, third, last])
+    (text,) = differing([first, second, third, changed(last, (0, 1, 3, 2, 4, 5, 6, 7))])
+    assert text.startswith("Record 3: channels 2 and 3 look swapped ")
+    (text,) = differing([first, changed(second, signs=[1, 1, 1, 1, 1, -1, 1, 1]), third, last])
+    assert text.startswith("Record 1: channel 5 looks turned round ")
+    (text,) = differing([changed(first, (1, 2, 0, 3, 4, 5, 6, 7)), second, third])
+    assert text.startswith("Record 0: channels 0, 1 and 2 look exchanged ")
+    # Of two records nothing tells which is right.
+    (text,) = differing([first, changed(second, (7, 1, 2, 3, 4, 5, 6, 0))])
+    assert text.startswith(
+        ("Record 1 or record 0: channels 0 and 7 ", "Record 0 or record 1: channels 0 and 7 ")
+    )
+
+
+@pytest.mark.parametrize("noise", [0.01, 0.1])
+def test_hits_at_two_places_are_not_one_test(noise):
+    def hits(place, seeds):
+        options = {"duration_s": 16.0, "noise": noise, "excitation": place}
+        return [ar.Recording(hit_record(STIFFNESS, MASS, seed=seed, **options)[0], FS) for seed in seeds]
+
+    at_one = hits(0, range(3))
+    assert not differing(at_one)
+    for others in (hits(3, [7]), hits(3, [7, 8]), hits(6, [7, 8, 9])):
+        (text,) = differing([*at_one, *others])
+        numbers = ", ".join(map(str, range(3, 3 + len(others))))
+        assert re.match(rf"Records 0, 1, 2 and records? {numbers} do not share one force place", text)
+    with pytest.warns(ar.exceptions.AntiresWarning, match="do not share one force place"):
+        found = identified([*at_one, *hits(3, [7, 8])])
+    assert all(set(found.scores[dof]["doubt"]) == {"records differ"} for dof in found if len(found[dof]))
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.002, 0.01])
+def test_a_structure_that_changes_a_little_is_one_test(shift):
+    for record in (impact, shaken):
+        assert not differing([record(40), record(41, shift), record(42, -shift)])

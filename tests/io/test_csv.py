@@ -173,6 +173,42 @@ def test_decimal_commas_that_only_the_first_rows_have(tmp_path):
     assert ar.read_csv(file).responses[0].tolist() == [0.5, 0.25] + [0.0] * 10
 
 
+@pytest.mark.parametrize("head", ["time,tip,root\n", "time [s],tip [g],root [g]\n", "bench 3\n", ""])
+@pytest.mark.parametrize(
+    "columns", [(TIME, TIP, ROOT), (TIP, ROOT, PUSH), (TIP, np.round(TIME, 1), np.arange(50.0))]
+)
+@pytest.mark.parametrize("form", [".6f", "g", ".3e"])
+def test_decimal_commas_between_commas(tmp_path, head, columns, form):
+    """Where every number has decimals, and where zeros at its end are left out."""
+    lines = (",".join(format(float(value), form) for value in row) for row in zip(*columns, strict=True))
+    file = saved(tmp_path / "a.csv", head + "\n".join(lines).replace(".", ",") + "\n")
+    for options in ({}, {"fs_hz": 200.0}, {"delimiter": ",", "decimal": ","}):
+        told = "decimal commas cannot be told from the commas .* Export it again"
+        unsuitable(told, ar.read_csv, file, **options)
+
+
+def test_whole_numbers_between_commas_have_no_decimals(tmp_path):
+    counts = np.random.default_rng(1).integers(-3000, 3000, (6, 50))
+    for head in ("a,b,c,d,e,f\n", ""):
+        lines = (",".join(map(str, row)) for row in counts.T)
+        rec = ar.read_csv(saved(tmp_path / "a.csv", head + "\n".join(lines) + "\n"), fs_hz=100.0)
+        np.testing.assert_array_equal(rec.responses, counts)
+
+
+@pytest.mark.parametrize("head", ["tip,root\n", "time?,tip,root\n", ""])
+def test_a_rate_is_asked_of_files_without_a_time_and_of_no_others(tmp_path, head):
+    timed = head.count(",") == 2
+    file = saved(tmp_path / "a.csv", text(*(TIME, TIP, ROOT) if timed else (TIP, ROOT), head=head))
+    if timed:  # a column that ascends is no response
+        for options in ({}, {"fs_hz": 500.0}):
+            unsuitable("'time\\?', ascends but is neither called time", ar.read_csv, file, **options)
+    else:
+        unsuitable(
+            "without a column of time or frequency; wanted a sampling rate. Pass fs_hz=", ar.read_csv, file
+        )
+        np.testing.assert_array_equal(ar.read_csv(file, fs_hz=500.0).responses, [TIP, ROOT])
+
+
 def test_quotes_around_names_and_numbers(tmp_path):
     file = tmp_path / "run.csv"
     file.write_text('"time [s]","tip, left [g]"\n"0","1.0"\n"0.5","2.0"\n"1","3"\n')

@@ -210,9 +210,8 @@ def test_edits_and_files_keep_it(rich, tmp_path):
         assert_same_set(back, one)
         assert_same_set(back.original(), one.original())
         assert (str(back), back.options) == (str(one), one.options)
-    assert "left out: 2 (2 no peak), see .left_out\npeaks without a value: 1, see .unexplained_hz" in str(
-        rich
-    )
+    peaks = "peaks of the curves at which no value was found: 1, see .unexplained_hz"
+    assert f"left out: 2 (2 no peak), see .left_out\n{peaks}" in str(rich)
 
 
 def test_other_names_and_problems_keep_it_and_channels_unless_one_has_none(rich, tmp_path):

@@ -11,14 +11,14 @@ import antires_rs as ar
 from antires_rs.app.main import main
 from antires_rs.identification import scores
 from antires_rs.measured import response_table as doubts
-from antires_rs.signals import channel_checks as channels, data_check as check
+from antires_rs.signals import channel_checks as channels, data_check as check, repeats
 from antires_rs.support.messages import entries
 
 SOURCES = Path(ar.__file__).parent
 #: Said in headlines, notes and tables of results.
 OF_RESULTS = {"unexplained", "no_baseline", "one_of_several", "z", "chi_square"}
 FINDINGS = {*check.TESTS, check.SINGLE_HIT, check.MISSED_HIT, channels.HUM, channels.QUANTIZED}
-FINDINGS |= {channels.DOUBLE, channels.DRIFTING, channels.LENGTH, channels.AVERAGES}
+FINDINGS |= {channels.DOUBLE, channels.DRIFTING, channels.LENGTH, channels.AVERAGES, repeats.DIFFER}
 
 
 @cache

@@ -32,7 +32,9 @@ from .job import Job, KeyPath
 from .keys import CHAIN, FRAME, MATRICES, PARAMETERS, RESULT, shown
 
 _SHAPES = {"tube": Tube, "rectangle": Rectangle, "general": Section}
-_NODE_AND_DIRECTION = re.compile(r"\s*(?:node\s+)?(\d+)[\s.:]+([A-Za-z]+)\s*")
+_NODE_AND_DIRECTION = re.compile(
+    r"\s*(?:node\s*)?(\d+)(?:[\s.:_]+(?:direction\s+)?([A-Za-z]+)|(u|v|w|theta|rx|ry|rz))\s*"
+)
 
 
 def model_of(job: Job) -> StructuralModel:
@@ -126,7 +128,7 @@ def dof_finder(job: Job, model: StructuralModel | None) -> Callable[[KeyPath, An
         parts = _NODE_AND_DIRECTION.fullmatch(name)
         if parts and isinstance(model, FrameModel):
             with job.blame(place, {"node": place, "direction": place}):
-                return model.dof(int(parts[1]), parts[2])
+                return model.dof(int(parts[1]), parts[2] or parts[3])
         if isinstance(model, MatrixModel) and name not in rows:
             with suppress(InvalidInputError):  # no name of the model
                 return model.dof(name)

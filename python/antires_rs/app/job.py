@@ -207,7 +207,7 @@ class Job:
             items = value.values() if isinstance(value, dict) else value
             given = list(items) if isinstance(value, dict | list) else [value]
             if key.kind in ("dof", "dofs", "places") and UNSET in given:  # as ``antires init`` left it
-                wanted = 'a dof of the model in place of each "?", as in 4, "2 u" of a frame, or "12:Z"'
+                wanted = 'a dof of the model in place of each "?", as in 4, "node 2 u" of a frame, or "12:Z"'
                 self.reject((*place, name), shown(value), wanted, f"Fill them in. {key.explanation}")
             kind = KINDS[key.kind]
             if not kind.fits(value):

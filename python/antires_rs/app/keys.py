@@ -254,10 +254,12 @@ density_kg_per_m3 = 7850.0
 """
 _DOFS = {  #: Which dofs a question mark may stand for, by model.
     CHAIN: " Dofs count from 0, mass by mass.",
-    FRAME: ' Dofs of frames are written as in "2 u": node 2, along x.',
+    FRAME: ' Dofs of frames are written as in "node 2 u", along x.',
     MATRICES: ' Dofs are rows of the matrices, from 0, or their names, as "12:Z".',
     RESULT: "",
 }
+#: Names of channels that are dofs of a frame.
+_OF_FRAME = re.compile(r"(?:node\s*)?(\d+)[\s.:_]*(u|v|w|theta|rx|ry|rz)")
 _WIDTH = 108
 _QUESTION = (
     'A "?" stands for a dof of your model that the file cannot tell. Put the dof in its place, or false for '
@@ -302,10 +304,13 @@ def template(
     kinds = {"data": reading.get("format") or format_of(file) or "", "model": model}
     if task == "series":  # every format is explained
         kinds, filled["output"] = {}, {}
+    known: list[str] = []
     if channels:
-        dofs = ", ".join(f"{_quoted(channel)} = {_quoted(UNSET)}" for channel in channels)
+        named = [_OF_FRAME.fullmatch(channel) if model == FRAME else None for channel in channels]
+        known = [f"node {name[1]} {name[2]}" if name else UNSET for name in named]
+        dofs = ", ".join(f"{_quoted(a)} = {_quoted(b)}" for a, b in zip(channels, known, strict=True))
         filled["data"]["dofs"] = f"{{ {dofs} }}"
-    if channels or excitation == UNSET:
+    if UNSET in (excitation, *known):
         lines += _comment(_QUESTION + _DOFS[model])
     for part in TASKS[task]:
         if part == "parameters":

@@ -15,8 +15,8 @@ from .reading import Call, check_files, hits_of, refuse_beside, several_hits
 
 def view_of(args: argparse.Namespace) -> View:
     """The view that the arguments name."""
-    first: Path = args.files[0]
     check_files(args)
+    first: Path = args.files[0]
     edits: tuple[Asked, ...] = ()
     if args.edits is not None:
         with arguments({"path": "--edits"}):

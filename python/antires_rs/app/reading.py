@@ -30,6 +30,7 @@ from ..measured.modal_set import ModalSet
 from ..models.structural_model import StructuralModel
 from ..signals.alignment import align
 from ..signals.frequency_response import FrequencyResponse, covered_hz
+from ..signals.recording import Recording
 from ..signals.repeats import one_source
 from ..support.messages import EDIT_WANTED, edit_named, some, warn
 from .arguments import dof_finder
@@ -222,12 +223,16 @@ class Measurement:
         return [self._find(at, one) for one in dof] if isinstance(dof, list) else self._find(at, dof)
 
     def _by_name(self, text: str) -> str:
-        """A text on dofs of the model with what the user calls them."""
-
-        def named(found: re.Match[str]) -> str:
-            return found[1] + re.sub(r"\d+", lambda n: repr(self._names.get(int(n[0]), int(n[0]))), found[2])
-
-        return _DOFS.sub(named, text) if self._names else text
+        """A text on dofs of the model, and on records, with what the user calls them."""
+        if self.repeats:
+            files = [path.name for path in (self.file, *self.repeats)]
+            text = _RECORDS.sub(lambda one: _NUMBER.sub(lambda n: files[int(n[0])], one[0]), text)
+            text = re.sub("counted from 0; |, counted from 0", "", text)
+        if not self._names:
+            return text
+        return _DOFS.sub(
+            lambda one: _NUMBER.sub(lambda n: repr(self._names.get(int(n[0]), int(n[0]))), one[0]), text
+        )
 
     @contextmanager
     def _warned_by_name(self) -> Iterator[None]:
@@ -245,7 +250,7 @@ class Measurement:
 
     def _checked_by_name(self, found: AntiresonanceSet) -> AntiresonanceSet:
         check = found.data_check
-        if check is None or not self._names:
+        if check is None or not (self._names or self.repeats):
             return found
         name = self._by_name
         findings = [
@@ -309,7 +314,9 @@ def places_of(given: Any, known: Container[Any] = ()) -> list[Any]:
     return [int(name) if name.isdecimal() else name for name in names]
 
 
-_DOFS = re.compile(r"\b((?:[Dd]ofs?|[Cc]hannels?) )(\d+(?:(?:, | and | or )\d+)*)")
+_DOFS = re.compile(r"\b(?:[Dd]ofs?|[Cc]hannels?) \d+(?:(?:, | and | or )\d+)*")
+_RECORDS = re.compile(r"\b[Rr]ecords? \d+(?:(?:, | and )\d+)*")
+_NUMBER = re.compile(r"\d+")
 
 #: Keys of values that are dropped and added by hand, and what each does.
 EDITS: dict[str, Any] = {"drop": AntiresonanceSet.drop, "add": AntiresonanceSet.add}
@@ -354,10 +361,10 @@ def read_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
     measured = []
     for place, table in zip(job.data_places, job.data, strict=True):
         file = job.file(table["file"])
-        files: list[tuple[KeyPath, Path]] = [((*place, "file"), file)]
         if not file.is_dir():
             kind_of(job, place, table, file)  # an unknown ending is told before a file that is not there
-            job.existing(files[0][0], table["file"])
+        at: KeyPath = (*place, "file")
+        files = [(at, path) for path in job.files(at, table["file"], folders=True)]
         for at, name in _listed(table.get("repeats", []), (*place, "repeats")):
             known = {path.resolve() for _, path in files}  # the first is not read twice
             files += [(at, path) for path in job.files(at, name) if path.resolve() not in known]
@@ -541,6 +548,8 @@ class Call(Job):
         if signal is None:
             return
         low, high = covered_hz(signal)
+        if "fs_hz" in table and isinstance(signal, Recording):  # nothing in the file tells that it is wrong
+            hint(f"{signal.n_samples} samples at {signal.fs_hz:g} Hz are {signal.duration_s:.4g} s")
         if "excitation" not in table and not self._modes:
             wanted = "--excitation DOF, where the force acts"
             remedy = f"The file has the channels {some(map(repr, signal.dofs), _NAMED)}."
@@ -591,6 +600,9 @@ def _given(values: dict[str, Any]) -> dict[str, Any]:
 
 def check_files(args: argparse.Namespace) -> None:
     """Check that the files are there, and of several that they are repeats of one test, of one format."""
+    # A pattern in quotes, or of a shell that does not replace it.
+    found = [sorted(file.parent.glob(file.name)) if "*" in file.name else [file] for file in args.files]
+    args.files = [path for file, paths in zip(args.files, found, strict=True) for path in paths or [file]]
     for file in args.files:
         if not file.is_dir():
             existing("FILE", file, "Name a measurement, or a job.")

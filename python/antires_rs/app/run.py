@@ -67,7 +67,7 @@ class RunFolder:
         if (path.exists() and not path.is_dir()) or whole == Path(whole.anchor):
             got = f"{str(path)!r}, no folder for results"
         elif record and made.job_path().resolve() != job.path.resolve():
-            got = f"{name!r}, which holds the results of {record.get('job')}"
+            got = f"{name!r}, which holds the results of {near(made.job_path())}"
         elif not record and not whole.is_relative_to(job.path.resolve().parent):
             # Elsewhere it may be anyone's, and a job may be a stranger's.
             begun = job.task == "series" and (path / "series.parquet").exists()

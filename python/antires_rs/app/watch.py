@@ -222,7 +222,11 @@ class Told:
 def watch(args: argparse.Namespace) -> int:
     """Until Ctrl-C, or once."""
     if not args.folder.is_dir():
-        reject("FOLDER", repr(str(args.folder)), "a folder that exists", "Make it first.")
+        got, remedy = f"{str(args.folder)!r}, which does not exist", "Make it first."
+        if args.folder.is_file():
+            got = f"{str(args.folder)!r}, which is a file"
+            remedy = f"Name its folder, {str(args.folder.parent)!r}; 'antires identify' takes files."
+        reject("FOLDER", got, "the folder in which measurements arrive", remedy)
     if args.conditions is not None:
         existing("--conditions", args.conditions, "Correct its name.")
     assessor = None

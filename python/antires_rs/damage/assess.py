@@ -35,7 +35,7 @@ from .assessor_plan import Plan, QuickSearch, TabulatedLikelihood, plan_of, read
 from .hypotheses import Answered, Assessment, figure
 from .inference import BLIND, FURTHEST, HIGHEST, Search, concluded, confirmed, learned_from
 from .likelihood import Likelihood, Prepared, Question
-from .measured_states import ASSUMED_STD, Responses, unfit
+from .measured_states import ASSUMED_STD, Responses, unfit, warn_of_channels
 from .options import ONE_STATE, TWO_STATES, DamagePrior, SearchOptions, checked_prior
 from .reduced_roots import ReducedRoots
 from .severity_intervals import severity_intervals, severity_profile
@@ -510,6 +510,8 @@ def assess_damage(
     options = options.of(TWO_STATES, optimizer=optimizer, callback=callback, checkpoint=checkpoint)
     before, now = sets_of("baseline", baseline), sets_of("measured", measured)
     question = question_of(model, before, now, chosen, prior, options)
+    if isinstance(now[0], AntiresonanceSet):
+        warn_of_channels(model, before, now)
     seed = seed_of(rng)
     with waiting("assessing damage", progress):
         inferred = infer(question, np.random.default_rng(seed), thread_count(workers))

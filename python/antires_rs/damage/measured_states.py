@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import chain, combinations
@@ -16,7 +16,7 @@ from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.structural_model import End
 from ..support.checks import FloatArray, label_text, members
-from ..support.messages import some
+from ..support.messages import some, warn
 from ..updating.targets import AntiresonanceTargets, Part, antiresonance_objective
 
 if TYPE_CHECKING:
@@ -332,6 +332,24 @@ def _columns(target: AntiresonanceTargets, numbers: Mapping[Response, int]) -> d
 Response = tuple[End, End]  # dof and force, or dofs and forces
 
 
+def warn_of_channels(
+    model: StructuralModel, baseline: Sequence[AntiresonanceSet], measured: Sequence[AntiresonanceSet]
+) -> None:
+    """Warn of channels that one state has and the other has not under the same force, even without values."""
+    intact, now = (
+        {(dof, force) for dof, force, *_ in AntiresonanceTargets(model, tuple(sets)).parts}
+        for sets in (baseline, measured)
+    )
+    forces = {force for _, force in intact} & {force for _, force in now}
+    intact, now = ({one for one in every if one[1] in forces} for every in (intact, now))
+    common = intact & now
+    if common and intact != now:
+        own = (("the intact structure", intact), ("now", now))
+        counts = " and ".join(f"{len(every)} of {state}, at {_named(model, every)}" for state, every in own)
+        said = f"baseline: other channels than measured: {counts}. Only {len(common)} are compared."
+        warn("other_channels", said)
+
+
 def _not_in_both(
     model: StructuralModel, before: Sequence[AntiresonanceTargets], after: Sequence[AntiresonanceTargets]
 ) -> list[str]:
@@ -361,7 +379,7 @@ def _not_in_both(
     return notes
 
 
-def _named(model: StructuralModel, responses: Sequence[Response] | Mapping[Response, int]) -> str:
+def _named(model: StructuralModel, responses: Collection[Response]) -> str:
     forces = {force for _, force in responses}
     labelled = partial(label_text, named=model.dof_label)
     at = {force: f" (force at {labelled(force)})" if len(forces) > 1 else "" for force in forces}

@@ -47,6 +47,7 @@ from ..measured.response_table import (
 from ..signals import channel_checks as channels
 from ..signals.findings import DataCheck
 from ..signals.one_force import NOISE, ONE_FORCE, UNEXPLAINED
+from ..signals.repeats import DIFFER
 from ..signals.spectra import prominent_peaks
 from ..support.checks import ComplexArray, FloatArray, members
 from .stabilization import PERSISTENT_SNR, StabilizationDiagram, flanked
@@ -131,6 +132,7 @@ LOST = {  #: Fatal findings of channels, or of all of them, and what is said of 
 #: Fatal findings that leave no value sure, and the doubt.
 MISLEADING = {
     ONE_FORCE: "second force",
+    DIFFER: "records differ",
     channels.LENGTH: "record too short",
     channels.RESOLUTION: "lines too far apart",
 }

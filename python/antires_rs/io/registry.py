@@ -174,7 +174,10 @@ def _one(path: Path, format: str, options: dict[str, Any]) -> FrequencyResponse:
     if not isinstance(signal, FrequencyResponse) or len(signal.dofs) != 1:
         several = isinstance(signal, FrequencyResponse)
         found = f"{len(signal.dofs)} responses" if several else "a record over time"
-        each = "Read each record by its own reader; sensors of one test, a file each: join them by align."
+        each = (
+            f"Name the records, as in {str(path.parent / '*')}{path.suffix}, and not their folder; in Python "
+        )
+        each += "read each by its own reader. Sensors of one test, a file each: join them by align."
         alone = "Read it alone by its own reader, or name the response that is meant."
         remedy = alone if several else each
         unsuitable(path, f"with {found}", "one response over frequency in each file", remedy)

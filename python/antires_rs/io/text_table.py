@@ -307,6 +307,11 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
         if len(row) == width > 1 and _numeric(row[:1], point):  # a row, not names
             unsuitable(file, f"whose row {' '.join(row)[:60]!r} is not numeric throughout", _NUMBERS)
     _headed(table, body[:start] or _commented_names(lines, between, width), between, width)
+    if between == "," and len(table.names) != width and _cut_at_decimals(rows, len(table.names)):
+        found = "whose decimal commas cannot be told from the commas between its columns"
+        unsuitable(
+            file, found, "decimal points, or semicolons between columns", "Export it again with either."
+        )
     if not ended:
         # A number that lost its last digits still is one, so that only a line end proves the row whole.
         if len(rows[-1]) != width or "rows" in table.header or trailing:
@@ -448,6 +453,14 @@ def _decimal_commas(rows: list[list[str]], between: str | None) -> bool:
     return between != "," and any_with(",") and not any_with(".")
 
 
+def _cut_at_decimals(rows: list[list[str]], n_names: int) -> bool:
+    """Whether all parts are digits, twice as many as names, or with zeros in front as only decimals have."""
+    some = rows[:_HEAD]
+    digits = all(re.fullmatch(r"[-+]?\d+([eE][-+]?\d+)?", part) for row in some for part in row)
+    twice = n_names > 0 and all(len(row) == 2 * n_names for row in some)
+    return digits and (twice or any(re.match(r"[-+]?0\d|-0$", part) for row in some for part in row))
+
+
 def _split(line: str, between: str | None) -> list[str]:
     if between is None:
         return line.split()
@@ -540,7 +553,7 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
     hertz = first == "freq" or given.pairs is not None or _says_frequency(columns[0], named)
     columns = joined(file, columns, given.pairs, hertz)
     if first is None:
-        first = _what_first(file, columns, hertz, named and given.fs_hz is not None)
+        first = _what_first(file, columns, hertz, given.fs_hz is not None)
     lead, rest = columns[0], columns if first == "channel" else columns[1:]
     if not rest:
         unsuitable(file, "with no column of values", "at least one beside the first")
@@ -579,11 +592,13 @@ def _what_first(file: Path, columns: list[Channel], hertz: bool, rated: bool) ->
         return "time"
     if hertz or any(np.iscomplexobj(c.values) for c in columns):
         return "freq"
-    if rated:
-        return "channel"
-    remedy = "Pass first='time', first='freq' or, with fs_hz=, first='channel'."
-    found = f"whose first column, {lead.name!r}, is neither called time nor frequency"
-    unsuitable(file, found, "to know what it is", remedy)
+    if np.all(np.diff(lead.values) > 0.0):  # as a time does, and no response
+        found = f"whose first column, {lead.name!r}, ascends but is neither called time nor frequency"
+        unsuitable(file, found, "to know what it is", "Pass first='time', or first='freq'.")
+    if not rated:
+        found = "without a column of time or frequency"
+        unsuitable(file, found, "a sampling rate", "Pass fs_hz=, in samples a second.")
+    return "channel"
 
 
 def _says_frequency(column: Channel, named: bool) -> bool:

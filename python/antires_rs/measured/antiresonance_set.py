@@ -467,7 +467,9 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
             lines.append(f"left out: {count}{f' ({reasons})' if reasons else ''}, see .left_out")
         unexplained = sum(len(one) for one in self.unexplained_hz.values())
         if unexplained:
-            lines.append(f"peaks without a value: {unexplained}, see .unexplained_hz")
+            lines.append(
+                f"peaks of the curves at which no value was found: {unexplained}, see .unexplained_hz"
+            )
         if self.edits:
             lines.append("edited by hand: " + "; ".join(map(str, self.edits)))
         return "\n".join(lines)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..exceptions import reject
 from ..support.checks import FloatArray, forces_at
+from ..support.messages import some, warn
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
 from . import matching
@@ -202,6 +203,9 @@ def compare(
     common = [dof for dof in a if dof in b]
     if not common:
         reject("b", f"dofs {tuple(b)}", f"some of {tuple(a)}", "Compare sets of the same responses.")
+    if len({*a, *b}) > len(common):
+        counts = f"{len(b)} responses, a {len(a)}, of which {len(common)} are compared: {some(common, 6)}"
+        warn("other_channels", f"b: measured at other channels than a: {counts}.")
     dofs: list[Any] = []
     rows: list[tuple[float, float, float, float]] = []
     alone: tuple[dict[Any, FloatArray], dict[Any, FloatArray]] = ({}, {})

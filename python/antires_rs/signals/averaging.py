@@ -311,6 +311,7 @@ def transient_spectra(
     if noise is not None and noise.min() <= 0.0:
         noise = None
     impacts: dict[str, Any] = {"n_effective": float(len(each)), "draws": np.arange(len(each))}
+    impacts["records"] = np.repeat(np.arange(len(parts)), [len(events) for events in found])
     return CrossSpectra(freq, segments.matrix, len(each), noise, decay, segments=segments, **impacts)
 
 

@@ -808,8 +808,13 @@ def of_segments(
     )
     advice = "Record for longer, at best "
     if least_s > duration_s:
-        advice = f"Record {'' if known else 'at least '}{rounded(least_s)} s, better "
+        advice = f"Record {rounded(least_s)} s, better "
     advice += f"{rounded(SEGMENTS * wanted_s)} s."
+    if not known:  # what would be wanted grows with the record
+        advice = (
+            "Record for longer; if it holds a hit, hit harder or use a quieter sensor first: the peaks may "
+        )
+        advice += "be noise."
     if weak_hit():
         advice = "If its one rise is a hit, that is too weak for the noise: hit harder, several times."
     return [Finding(LENGTH, severity, (), lines, ENOUGH, text + "these resonances.", advice)]

@@ -28,7 +28,7 @@ from .findings import SEVERITIES, CheckResults, DataCheck, Finding, NotTested, o
 from .frequency_response import FrequencyResponse, band_of
 from .one_force import Evidence, of_curves, of_spectra
 from .recording import Recording, parts_of
-from .repeats import one_source
+from .repeats import disagreement, one_source
 from .spectra import CrossSpectra, roughness
 
 # -- Findings of several records of one test, each said once, with the records that show it
@@ -127,7 +127,12 @@ def of_recording(
     said += _resolution(averages, spectra, band, rec)
     seen = of_spectra(spectra, live.dofs, averages)
     first = parts_of(live)[0]
-    dead = (averages.nperseg is None and channels.silent(first, band)) or channels.unrelated(seen)
+    unlike: CheckResults = []
+    if seen.spectra is not None and len(members(excitation)) < 2:
+        unlike = disagreement(averages.spectra, seen.spectra[1], moving, live.dofs)
+    dead = (averages.nperseg is None and channels.silent(first, band)) or (
+        [] if unlike else channels.unrelated(seen)  # a channel turned round in one record is no noise
+    )
     lost = {dof for one in dead if isinstance(one, Finding) for dof in one.where}
     rows = [p for p, dof in enumerate(live.dofs) if dof not in lost]
     if 0 < len(rows) < len(live.dofs):
@@ -139,7 +144,13 @@ def of_recording(
     if spectra.draws is not None:
         # a structure that changes between repeats looks like a second force.
         one = [replace(f, advice=f"{f.advice} {CHANGED}") if isinstance(f, Finding) else f for f in one]
+    one = unlike or one
+    hidden = [
+        finding for finding in one if finding.name == one_force.NOISE
+    ]  # tells of widths and lengths too
+    one = [finding for finding in one if finding not in hidden]
     return [
+        *hidden,
         *said,
         *(apart or [*dead, *channels.in_phase(seen), *one]),  # without a common clock nothing is in common
         *channels.alike(seen),
@@ -330,13 +341,15 @@ def check_data(
 
     - from ``dead_channel`` to ``spikes``, and ``signal_to_noise``: of single channels, each explained by
       :func:`~antires_rs.explain`;
-    - ``time_shift``, ``quadrature``: a channel late against the others, or of another kind. Polarity cannot
-      be seen in data, nor can two channels that are exchanged, unless one is the driving point;
+    - ``time_shift``, ``quadrature``: a channel late against the others, or of another kind. In a
+      single record polarity is not seen, nor two channels that are exchanged, unless one is driven;
     - ``drift``: a resonance that is elsewhere at the end than at the beginning;
     - ``mains_hum``: steady lines at multiples of 50 or 60 Hz, which are taken out;
     - ``resolution``, ``record_length``, ``averages``: lines per half-power bandwidth, and what limits them;
     - ``one_force``: the second eigenvalue of the spectral matrix against the first, noise and leakage; of r
       places named eigenvalues r and r + 1. Forces that move in proportion are one force in this respect;
+    - ``records_differ``: of several records, whether one has channels exchanged or turned round, and whether
+      all show one force place;
     - ``force_location``: zeros and poles of the stated driving point alternate. A dof whose mode shapes have
       the signs of the driving point's in all modes of the band cannot be told from it;
     - ``single_hit``, ``double_hit``, ``missed_hit``: of hammer records.

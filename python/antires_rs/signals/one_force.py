@@ -230,7 +230,7 @@ def one_force(seen: Evidence, order: int = 1) -> CheckResults:
                 f"The responses rise over what channels do not share at {100 * above.mean():.2g} % of "
                 f"the lines of the band{at}."
             )
-            advice = "Force harder and over the whole band, a sine excites one line; check the sensors."
+            advice = "Hit or force harder, over the whole band; a sine excites one line. Check the sensors."
             return [Finding(NOISE, "fatal", (), float(above.mean()), EXCITED, text, advice)]
         text = (
             f"One force does not explain the responses: at the median line the second eigenvalue of the "

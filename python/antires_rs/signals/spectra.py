@@ -254,6 +254,8 @@ class CrossSpectra:
     segments: Segments | None = None
     draws: NDArray[np.int64] | None = None
     """To which of several draws, records or impacts, each segment belongs; None for one record."""
+    records: NDArray[np.int64] | None = None
+    """To which record each segment belongs."""
 
     @cached_property
     def noise_power(self) -> FloatArray:
@@ -351,9 +353,10 @@ def cross_spectra(
     products *= scale[:, :, None]
     products *= scale[:, None, :] / done
     effective = sum(effective_averages(taper, step, count) for count in counts)
-    draws = np.repeat(np.arange(len(parts)), counts) if len(parts) > 1 else None
+    records = np.repeat(np.arange(len(parts)), counts)
     each = Segments(segments, products, scale, np.ones(scale.shape))
-    return CrossSpectra(freq, products, done, n_effective=effective, segments=each, draws=draws)
+    of: dict[str, Any] = {"draws": records if len(parts) > 1 else None, "records": records}
+    return CrossSpectra(freq, products, done, n_effective=effective, segments=each, **of)
 
 
 def _transforms(

@@ -19,7 +19,9 @@ CODES = {name: code for code, name in DIRECTIONS.items()}
 #: As finite-element programs call them too.
 _OTHERS = ["1 UX T1 X U", "2 UY T2 Y V", "3 UZ T3 Z W", "4 ROTX R1 RX", "5 ROTY R2 RY", "6 ROTZ R3 RZ THETA"]
 NAMES = CODES | {name: code for code, names in enumerate(_OTHERS, 1) for name in names.split()}
-_POINT = re.compile(r"(?:NODE\s*)?(\d+)\s*[:._\s]?\s*([+-]?[A-Z]+\d?|(?<=[:._\s])\d)", re.IGNORECASE)
+_POINT = re.compile(
+    r"(?:NODE\s*)?(\d+)\s*[:._\s]?\s*(?:DIRECTION\s+)?([+-]?[A-Z]+\d?|(?<=[:._\s])\d)", re.IGNORECASE
+)
 
 
 def point_of(label: str) -> tuple[int, int] | None:
