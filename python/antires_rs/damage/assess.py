@@ -25,7 +25,14 @@ from ..support.options import gathered
 from ..support.progress import one_blas_thread, patient, waiting
 from ..support.values import FrozenDict, ReadOnly
 from ..updating.identifiability import smallest_visible
-from ..updating.problem import DamagePenalty, Explained, Measured, UpdatingProblem, explained
+from ..updating.problem import (
+    DamagePenalty,
+    Explained,
+    Measured,
+    UpdatingProblem,
+    explained,
+    refuse_other_units,
+)
 from ..updating.reduced_model import LARGE, ReductionReport
 from ..updating.result import UpdateResult
 from ..updating.targets import sets_of
@@ -93,6 +100,8 @@ def question_of(
         got = "no mode" if modes else "no antiresonance"
         reject("baseline", got, "those of the intact structure", "Identify in a wider band.")
     UpdatingProblem(model, stiffness_reduction(elements), now)  # speaks up where they do not fit
+    most = max(before, key=lambda each: each.freq_hz.size if modes else sum(map(len, each.values())))
+    refuse_other_units(UpdatingProblem(model, stiffness_reduction(elements), most))
     reduced = bool(options.reduction)
     if options.reduction == "auto":
         reduced = model.n_dof > LARGE and not modes
@@ -731,6 +740,7 @@ class Assessor(ReadOnly, Viewed):
         """Severity of each candidate that nine of ten tests as exact as the baseline would show."""
         return dict(zip(self.elements, self._plan.learned.detectable, strict=True))
 
+    @patient("assessing a test")
     def assess(self, zeros: AntiresonanceSet | Sequence[AntiresonanceSet]) -> AssessedTest:
         """The damage of one test.
 

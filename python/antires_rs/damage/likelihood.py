@@ -1117,4 +1117,4 @@ class Question:
 
     def hint(self) -> str:
         """A mistake that would account for a model that does not explain the intact structure, if any."""
-        return hint_of(self.model, targets_of(self.model, self.baseline or self.measured, None))
+        return hint_of(self.model, targets_of(self.model, self.baseline or self.measured, None))[0]

@@ -168,7 +168,8 @@ class FrameModel(StructuralModel, Viewed):
         for name, section in zip(recipe.section_names, recipe.sections, strict=True):
             argument = part("sections", name).attribute("youngs_modulus_pa")
             modulus = finite_scalar(argument, section.youngs_modulus_pa)
-            if 0.0 < modulus < frame_parts.SOFTEST_PA:  # a slip of units
+            softest = max(frame_parts.SOFTEST_PA, frame_parts.SOFTEST_OF_DENSITY * section.density_kg_per_m3)
+            if 0.0 < modulus < softest:  # a slip of units
                 said = "is softer than rubber. Steel has 2.1e11 Pa, and lengths are in metres."
                 warn("softer_than_rubber", f"{argument}: {modulus:g} Pa {said}")
         self._build(ModelDescription(recipe))
