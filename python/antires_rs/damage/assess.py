@@ -35,14 +35,14 @@ from ..updating.problem import (
 )
 from ..updating.reduced_model import LARGE, ReductionReport
 from ..updating.result import UpdateResult
-from ..updating.targets import sets_of
+from ..updating.targets import FrequencyTable, ModalTable, sets_of
 from ..updating.update import search as find
 from ..views import Viewed
 from .assessor_plan import Plan, QuickSearch, TabulatedLikelihood, plan_of, read
 from .hypotheses import Answered, Assessment, figure
 from .inference import BLIND, FURTHEST, HIGHEST, Search, concluded, confirmed, learned_from
 from .likelihood import Likelihood, Prepared, Question
-from .measured_states import ASSUMED_STD, Responses, unfit
+from .measured_states import ASSUMED_STD, PAIRED_STATES, Responses, repeated, unfit
 from .options import ONE_STATE, TWO_STATES, DamagePrior, SearchOptions, checked_prior
 from .reduced_roots import ReducedRoots
 from .severity_intervals import severity_intervals, severity_profile
@@ -155,6 +155,18 @@ class DamageResult(Answered, UpdateResult):
         if self._assessment is not None:
             return self._assessment
         return infer(self._alone, np.random.default_rng(self.seed), thread_count(None))[0]
+
+    @cached_property
+    def table(self) -> FrequencyTable | ModalTable:
+        """Measured values, with a baseline corrected by it, beside the model without and with the damage
+        found, NaN where that has nothing near.
+        """
+        table = super().table
+        if self._assessment is None:
+            return table
+        hz = np.array([table.before_hz, table.after_hz])
+        before, after = np.where(np.abs(np.log(hz / table.measured_hz)) <= PAIRED_STATES, hz, np.nan)
+        return replace(table, before_hz=before, after_hz=after, corrected=True)
 
     @cached_property
     def _alone(self) -> Question:
@@ -518,6 +530,9 @@ def assess_damage(
         return DamageResult(problem, found, seed, options=held)
     options = options.of(TWO_STATES, optimizer=optimizer, callback=callback, checkpoint=checkpoint)
     before, now = sets_of("baseline", baseline), sets_of("measured", measured)
+    if repeated(before, now):
+        got = "the values of measured, number for number, as no second test gives them"
+        reject("baseline", got, "another test, of the intact structure", "Was one file given twice?")
     question = question_of(model, before, now, chosen, prior, options)
     seed = seed_of(rng)
     with waiting("assessing damage", progress):

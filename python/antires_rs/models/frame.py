@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from .._core import Frame as CoreFrame
 from ..exceptions import part, reject
 from ..support.checks import FloatArray, finite_scalar, integer, real_array
+from ..support.directions import DofNames
 from ..support.messages import warn
 from ..views import Viewed
 from . import frame_parts
@@ -250,6 +252,10 @@ class FrameModel(StructuralModel, Viewed):
 
     def _dof_labels(self) -> list[str]:
         return [f"node {node} {direction}" for node, direction in self._frame.dof_names()]
+
+    @cached_property
+    def _names(self) -> DofNames:
+        return DofNames(self._dof_labels(), [f"{node}:{direction}" for node, direction in self.fixed])
 
     def section_index(self, name: str | int) -> int:
         """Index of a section, by its name."""

@@ -14,7 +14,7 @@ from .._core import __version__
 from ..exceptions import NumericalError, reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
-from ..models.parameters import Parameter, parameter_name, parameter_tuple, warn_far
+from ..models.parameters import Parameter, check_far, parameter_name, parameter_tuple
 from ..models.structural_model import StructuralModel, checked_model
 from ..optimize.checkpoint import digest_of
 from ..optimize.island_ga import thread_count
@@ -233,7 +233,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         nominal = _core.nominal_values(model._core, parts)
         _core.check_bounds(model._core, parts, bounds[:, 0].copy(), bounds[:, 1].copy())
         names = tuple(parameter_name(model, p) for p in chosen)
-        warn_far(chosen, names, nominal)
+        check_far(chosen, names, nominal)
         factors = targets.weights(weights)
         counted = np.ones(targets.hz.size) if factors is None else factors
         if targets.noun == "mode":
@@ -380,6 +380,7 @@ _BETWEEN: tuple[tuple[float, str], ...] = (
     (0.5, "is their sampling rate given half the true one?"),
 )
 _SHARE, _BETTER = 0.7, 1.3  # so many of values and roots have a partner, so many more than without
+_MOST_PLACES, _ALIKE, _NAMED = 60, 0.05, 3  # where a force is looked for; shares alike; places that are named
 _THROUGHOUT = "is a modulus, a density (mass per length?), a section or a length wrong throughout?"
 _ORDINARY = 0.1  # nearer to 1, in ln f, a ratio is an error of the model as any has, and what updating is for
 MOST_DOFS, _LOWEST = 600, 40  # larger models take too long to be asked for more than so many modes
@@ -417,10 +418,37 @@ def hint_of(model: StructuralModel, targets: Targets) -> tuple[str, float]:
     if _share(values, turned, 0.0) >= max(_SHARE, shares[best], _BETTER * plain):
         return "Each root of the model is the inverse of a measured one: are K and M swapped?", math.inf
     if shares[best] < max(_SHARE, _BETTER * plain):
-        return "", 1.0
+        return _other_force(model, targets, highest), 1.0
     ratio, why = guesses[best]
     what = f"All measured values are about {_said(ratio)} times those of the model: "
     return what + (why or _THROUGHOUT), ratio
+
+
+def _other_force(model: StructuralModel, targets: Targets, highest_hz: float) -> str:
+    """Where else a force explains the values of its sets far better; '' if nowhere."""
+    if not isinstance(targets, AntiresonanceTargets):
+        return ""
+    for force in dict.fromkeys(targets.forces):
+        parts = [part for part in targets.parts if part[1] == force and part[2].size]
+        ends = list(dict.fromkeys(part[0] for part in parts))
+        if isinstance(force, tuple) or not parts:
+            continue
+        values, limit = (
+            _listed(part[2] for part in parts),
+            min(1.1 * max(part[2].max() for part in parts), highest_hz),
+        )
+        shares: dict[Any, float] = {}
+        for place in dict.fromkeys([force, *ends, *model._sensor_dofs[:_MOST_PLACES]]):
+            found = dict(zip(ends, roots_of(model, ends, place, limit, True), strict=True))
+            roots = [found[part[0]] for part in parts]
+            shares[place] = _share(values, _listed(np.empty(0) if one is None else one for one in roots), 0.0)
+        best = sorted(shares, key=lambda place: -shares[place])
+        better = [place for place in best if shares[place] >= max(_SHARE, _BETTER * shares[force])]
+        near = [model.dof_label(place) for place in better if shares[place] > shares[best[0]] - _ALIKE]
+        if near:
+            named = " or ".join(near[:_NAMED])
+            return f"With the force at {named} it would fit better than at {model.dof_label(force)}."
+    return ""
 
 
 def hint_between_states(intact: Pairs, now: Pairs) -> str:
