@@ -592,7 +592,7 @@ class Frame(Structure):
         return found
 
     def places(self, taken: set[int], *, at_ends: bool) -> list[tuple[str, list[int]]]:
-        """Nodes, held in each direction alone, in all of them, and clamped."""
+        """Nodes that nothing holds: in each direction alone, in all of them, and clamped."""
         nodes = [node for node, several in self.meeting.items() if (len(several) == 1) == at_ends]
         found = []
         for node in nodes[:_MOST_PLACES]:
@@ -600,7 +600,7 @@ class Frame(Structure):
                 np.flatnonzero(np.isin(self.free, own)).tolist()
                 for own in ([self.at[node, name] for name in self.moves], self._of_node(node))
             )
-            if moves and taken.isdisjoint(moves):
+            if len(moves) == len(self.moves) and taken.isdisjoint(moves):
                 ways = [*([dof] for dof in moves), moves, every]
                 found += [(f"node {node}", way) for way in ways]
         return found
