@@ -14,6 +14,7 @@ from antires_rs.damage.likelihood import Question
 from reference.wrong_chains import NOMINAL, N, assessed, chain, changed, measured, states, truth
 from tests.damage.test_modes import measured as modes
 from tests.support.campaign import some_of
+from tests.support.refusals import refused
 from tests.support.snapshots import refusals
 
 
@@ -351,3 +352,16 @@ def test_a_loss_is_no_better_known_than_masses_that_no_factor_has():
     least = 1.645 * 0.02 * -np.log(kept)
     assert halves[0] < 0.2 * least
     assert 0.9 * least < halves[1] < 1.5 * least
+
+
+def test_the_same_identified_values_twice_are_no_two_tests():
+    case = ar.cases.chain8()
+    rec = case.model.simulate(excitation=0, fs_hz=250.0, duration_s=60.0, damping_ratio=0.01, rng=1)
+    found = ar.identify_antiresonances(rec, excitation=0, band_hz=(3, 100))
+    words = "^baseline: got the values of measured, number for number.*Was one file given twice"
+    refused(words, ar.assess_damage, case.model, found, baseline=[found])
+    refused(
+        words, ar.assess_damage, case.model, ar.AntiresonanceSet.from_json(found.to_json()), baseline=found
+    )
+    exact = case.exact(level=0)  # which are alike for any two tests
+    assert ar.assess_damage(case.model, exact, baseline=exact).damaged == []

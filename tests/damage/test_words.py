@@ -120,6 +120,18 @@ def test_supersets_whose_further_elements_lose_nothing_are_the_smaller_set():
     merged = without_idle(assessed(IDLE_ANSWER, (1, 4), IDLE_ANSWER[:2]))
     assert (merged.declared, merged.probability_of_nothing) == ((1,), 0.05)
     assert "spring 4" not in " ".join(headline(merged))
+    place = "crack 0.2 m from node 3 in element {}"
+    for idle, left, kind, where in (
+        ((0.004, 0.2), 4, "element", ""),  # what has the crack loses next to nothing
+        ((0.2, 0.004), 1, "crack", place.format(1)),
+    ):
+        both = dataclasses.replace(one((1, 4), 0.97, idle), kind="crack and element", place=place.format(1))
+        first = without_idle(assessed([both, nothing(0.03)], (1, 4))).best
+        assert (first.elements, first.kind, first.place) == ((left,), kind, where)
+    cracks = "; ".join(map(place.format, (1, 4)))
+    both = dataclasses.replace(one((1, 4), 0.97, (0.004, 0.2)), kind="crack", place=cracks)
+    first = without_idle(assessed([both, nothing(0.03)], (1, 4))).best
+    assert (first.elements, first.kind, first.place) == ((4,), "crack", place.format(4))
     whole = assessed([one(4, 0.6, (0.3,)), one((1, 4), 0.37, (0.01, 0.3)), nothing(0.03)], (4,))
     assert without_idle(whole) is whole  # a whole percent is told
 

@@ -8,6 +8,7 @@ import pytest
 
 import antires_rs as ar
 from tests.models.shared import rigid_force, same_matrices
+from tests.support.refusals import refused
 from tests.support.snapshots import refusal, replay
 from tests.support.tolerances import RIGID_FORCE
 
@@ -115,3 +116,35 @@ def test_tables_of_a_frame_name_its_dofs_and_damage_takes_few_lines():
     assert re.search(r"element 2 +60\.00 % \u00b1 \S+ %\nall others \(3\): exactly 0\n", text)
     assert "\n3 u, 1 v " in text
     assert result.table.dof_names[force] == "1 v"
+
+
+def test_a_fixed_dof_is_said_to_be_fixed_by_whatever_name():
+    beam = ar.FrameModel(
+        [(0, 0), (1, 0), (2, 0)], [(0, 1), (1, 2)], ar.Tube(0.05, 0.002, 2e11, 7850.0), fixed=[0]
+    )
+    seen = ar.AntiresonanceSet("2 v", {"1 v": [40.0]})
+    for name in ("0:v", "node 0 v", "0 uy"):
+        refused(r"^response: got .*, which is fixed; wanted a free dof", beam.antiresonances, name, "1 v")
+        refused(r"^excitation: got .*, which is fixed", beam.antiresonances, "1 v", name)
+        refused(
+            r"^excitation: got .*, which is fixed",
+            ar.assess_damage,
+            beam,
+            seen.relabelled(name, {"1 v": "1 v"}),
+        )
+        refused(
+            r"^measured dof: got .*, which is fixed",
+            ar.assess_damage,
+            beam,
+            seen.relabelled("2 v", {"1 v": name}),
+        )
+
+
+def test_sections_that_were_merged_are_counted_and_named():
+    bars = [ar.Rectangle(0.05, height, 2e11, 7850.0) for height in (0.01, 0.01, 0.012)]
+    beam = ar.FrameModel([(k, 0) for k in range(4)], [(k, k + 1) for k in range(3)], bars, fixed=[0])
+    factors = ar.youngs_modulus(range(3), bounds=(0.9, 1.1), relative=True)
+    words = (
+        "^sections: got 2; wanted a section of the model: 0, 1. 3 elements share these, .*stiffness_factor"
+    )
+    refused(words, beam.with_parameters, factors, [1.0, 1.0, 1.0])

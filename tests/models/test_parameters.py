@@ -257,10 +257,13 @@ def test_a_turn_about_an_elements_own_axis_turns_its_section():
     assert task.cost([35.0]) > 0.1
 
 
-def test_bounds_and_moduli_in_another_unit_are_warned_of():
-    with pytest.warns(ar.AntiresWarning, match=r"far outside the bounds \(0\.9, 1\.1\)\. .*relative=True"):
-        problem(ar.youngs_modulus(0, bounds=(0.9, 1.1)))()
-    with pytest.warns(ar.AntiresWarning, match="Check the unit of the bounds"):
+def test_bounds_and_moduli_in_another_unit_are_refused_or_warned_of():
+    task = problem(ar.youngs_modulus(0, bounds=(0.9, 1.1)))
+    refused(
+        r"^parameters\[0\]\.bounds: got \(0\.9, 1\.1\); wanted .* about the .* factors\. .*relative=True",
+        task,
+    )
+    with pytest.warns(ar.AntiresWarning, match="Check their unit"):
         problem(ar.youngs_modulus(0, bounds=(190.0, 220.0)))()
     with pytest.warns(ar.AntiresWarning, match="softer than rubber"):
         ar.FrameModel([(0, 0), (1, 0)], [(0, 1)], ar.Tube(0.05, 0.002, 210.0, RHO))

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from antires_rs.updating.problem import explained
+from reference.forgotten_supports import PORTAL, PROPPED
 from reference.several_forces import record_of
 from tests.support.snapshots import refusals
 
@@ -62,3 +64,37 @@ def test_refusals():
     zeros = ar.AntiresonanceSet(("a", "b"), {(0, 1): [20.0]})
     names = {"zeros": zeros, "ranked": partial(ar.rank_force_places, CHAIN)}
     refusals(__file__, "wrong_places.txt", globals() | names)
+
+
+@pytest.mark.parametrize(("structure", "seed"), [(PORTAL, 4), (PROPPED, 5)])
+def test_a_force_named_at_another_dof_is_said_to_fit_better_where_it_was(structure, seed):
+    model, found, _ = structure.states(seed)
+    right = model.dof(*structure.force)
+    problems = {}
+    for dof in found:
+        moved = found.relabelled(dof, {own: own for own in found})
+        problems[dof] = ar.UpdatingProblem(model, ar.stiffness_factor(0, bounds=(0.9, 1.1)), moved)
+    for dof, problem in problems.items():
+        said = explained(problem, problem.nominal, doubted=True).hint
+        named = (
+            f"With the force at {model.dof_label(right)} it would fit better than at {model.dof_label(dof)}."
+        )
+        assert said == ("" if dof == right else named)
+
+
+def test_a_chain_hit_elsewhere_is_told_so_in_the_headline():
+    rng = np.random.default_rng(2)
+    masses, springs = 1.0 + 0.03 * rng.standard_normal((2, 6))
+    nominal = ar.MassSpringChain(np.ones(6), np.full(5, 1e4), ground_first_n_per_m=1e4)
+
+    def measured(loss):
+        truth = ar.MassSpringChain(
+            masses, 1e4 * springs[1:], ground_first_n_per_m=1e4 * (1.0 - loss) * springs[0]
+        )
+        exact = {dof: truth.antiresonances(dof, 2) for dof in range(6)}
+        freq = {d: f * (1.0 + 3e-4 * rng.standard_normal(f.size)) for d, f in exact.items()}
+        return ar.AntiresonanceSet(4, freq, std_hz={d: 3e-4 * f for d, f in freq.items()})
+
+    said = ar.assess_damage(nominal, measured(0.2), baseline=measured(0.0), workers=1).headline
+    assert said.startswith("The model does not explain the measurement")
+    assert "With the force at mass 2 it would fit better than at mass 4." in said

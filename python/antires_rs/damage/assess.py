@@ -25,17 +25,24 @@ from ..support.options import gathered
 from ..support.progress import one_blas_thread, patient, waiting
 from ..support.values import FrozenDict, ReadOnly
 from ..updating.identifiability import smallest_visible
-from ..updating.problem import DamagePenalty, Explained, Measured, UpdatingProblem, explained
+from ..updating.problem import (
+    DamagePenalty,
+    Explained,
+    Measured,
+    UpdatingProblem,
+    explained,
+    refuse_other_units,
+)
 from ..updating.reduced_model import LARGE, ReductionReport
 from ..updating.result import UpdateResult
-from ..updating.targets import sets_of
+from ..updating.targets import FrequencyTable, ModalTable, sets_of
 from ..updating.update import search as find
 from ..views import Viewed
 from .assessor_plan import Plan, QuickSearch, TabulatedLikelihood, plan_of, read
 from .hypotheses import Answered, Assessment, figure
 from .inference import BLIND, FURTHEST, HIGHEST, Search, concluded, confirmed, learned_from
 from .likelihood import Likelihood, Prepared, Question
-from .measured_states import ASSUMED_STD, Responses, unfit, warn_of_channels
+from .measured_states import ASSUMED_STD, PAIRED_STATES, Responses, repeated, unfit, warn_of_channels
 from .options import ONE_STATE, TWO_STATES, DamagePrior, SearchOptions, checked_prior
 from .reduced_roots import ReducedRoots
 from .severity_intervals import severity_intervals, severity_profile
@@ -93,6 +100,8 @@ def question_of(
         got = "no mode" if modes else "no antiresonance"
         reject("baseline", got, "those of the intact structure", "Identify in a wider band.")
     UpdatingProblem(model, stiffness_reduction(elements), now)  # speaks up where they do not fit
+    most = max(before, key=lambda each: each.freq_hz.size if modes else sum(map(len, each.values())))
+    refuse_other_units(UpdatingProblem(model, stiffness_reduction(elements), most))
     reduced = bool(options.reduction)
     if options.reduction == "auto":
         reduced = model.n_dof > LARGE and not modes
@@ -146,6 +155,18 @@ class DamageResult(Answered, UpdateResult):
         if self._assessment is not None:
             return self._assessment
         return infer(self._alone, np.random.default_rng(self.seed), thread_count(None))[0]
+
+    @cached_property
+    def table(self) -> FrequencyTable | ModalTable:
+        """Measured values, with a baseline corrected by it, beside the model without and with the damage
+        found, NaN where that has nothing near.
+        """
+        table = super().table
+        if self._assessment is None:
+            return table
+        hz = np.array([table.before_hz, table.after_hz])
+        before, after = np.where(np.abs(np.log(hz / table.measured_hz)) <= PAIRED_STATES, hz, np.nan)
+        return replace(table, before_hz=before, after_hz=after, corrected=True)
 
     @cached_property
     def _alone(self) -> Question:
@@ -509,6 +530,9 @@ def assess_damage(
         return DamageResult(problem, found, seed, options=held)
     options = options.of(TWO_STATES, optimizer=optimizer, callback=callback, checkpoint=checkpoint)
     before, now = sets_of("baseline", baseline), sets_of("measured", measured)
+    if repeated(before, now):
+        got = "the values of measured, number for number, as no second test gives them"
+        reject("baseline", got, "another test, of the intact structure", "Was one file given twice?")
     question = question_of(model, before, now, chosen, prior, options)
     if isinstance(now[0], AntiresonanceSet):
         warn_of_channels(model, before, now)
@@ -733,6 +757,7 @@ class Assessor(ReadOnly, Viewed):
         """Severity of each candidate that nine of ten tests as exact as the baseline would show."""
         return dict(zip(self.elements, self._plan.learned.detectable, strict=True))
 
+    @patient("assessing a test")
     def assess(self, zeros: AntiresonanceSet | Sequence[AntiresonanceSet]) -> AssessedTest:
         """The damage of one test.
 

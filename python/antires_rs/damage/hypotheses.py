@@ -201,6 +201,7 @@ class Taught:
     baseline_gap: float = 0.0  # how far these are from the others, relative
     usual_gap: float = 0.0  # how far the others are apart
     n_intact_roots: int = 0  # of the model among the values of the baseline; 0: not counted
+    missing_support: str = ""  # where one more would make the model explain the baseline far better
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -244,7 +245,7 @@ class Assessment(Value, Taught):
         """Whether the model, its factors adjusted, explains the intact structure."""
         matched = few_alone(self.n_intact_matched, self.n_intact)
         paired = mostly_paired(self.n_intact_matched, self.n_intact, self.n_intact_roots or self.n_intact)
-        return not self.baseline or bool(matched and paired and self.near)
+        return not self.baseline or bool(matched and paired and self.near and not self.missing_support)
 
     @property
     def near(self) -> bool:
@@ -344,10 +345,14 @@ def _smaller(one: Hypothesis, beside: float) -> Hypothesis:
     columns = zip(one.elements, one.severities, one.low, one.high, strict=False)
     least = max(_IDLE, -float(np.expm1(beside * np.log1p(-max(one.severities, default=0.0)))))
     kept = [row for row in columns if row[1] >= least]
-    if not kept or len(kept) == len(one.severities) or one.place:
+    if not kept or len(kept) == len(one.severities):
         return one
     elements, severities, low, high = zip(*kept, strict=True)
-    return replace(one, elements=elements, severities=severities, low=low, high=high)
+    ends = tuple(f"in element {e}" for e in elements)
+    places = [place for place in one.place.split("; ") if place.endswith(ends)]
+    kind = "crack and element" if places else "element"
+    kind, place = "crack" if len(places) == len(elements) else kind, "; ".join(places)
+    return replace(one, elements=elements, severities=severities, low=low, high=high, kind=kind, place=place)
 
 
 class Answered:

@@ -64,6 +64,7 @@ def peak_in_box(mean: FloatArray, covariance: FloatArray) -> FloatArray:
 # the box (A. Genz, J. Comput. Graph. Stat. 1 (1992) 141-149).
 
 _POINTS = 16  # points of the rule of quadrature along each coordinate but the last
+_TO_ROUNDING = 1e-8  # share of a variance that may be lost in rounding
 _FAR = 5.0  # coordinates so many standard deviations from both bounds do not count
 _HALF_LOG_TAU = 0.5 * float(np.log(2.0 * np.pi))
 
@@ -117,7 +118,12 @@ def truncated(mean: FloatArray, covariance: FloatArray) -> Truncated:
     sd = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
     order = np.argsort(log_between(-mean / sd, (FURTHEST - mean) / sd), axis=-1, kind="stable")
     rows = np.take_along_axis(covariance, order[..., :, None], axis=-2)
-    factor = np.linalg.cholesky(np.take_along_axis(rows, order[..., None, :], axis=-1))
+    ordered = np.take_along_axis(rows, order[..., None, :], axis=-1)
+    try:
+        factor = np.linalg.cholesky(ordered)
+    except np.linalg.LinAlgError:  # losses that the values do not tell apart, to rounding
+        least = _TO_ROUNDING * np.diagonal(ordered, axis1=-2, axis2=-1)
+        factor = np.linalg.cholesky(ordered + least[..., None] * np.eye(ordered.shape[-1]))
     return Truncated(np.take_along_axis(mean, order, axis=-1), np.asarray(factor), order)
 
 
@@ -852,6 +858,7 @@ def learned_from(
         n_baselines=max(map(own.count, own), default=0),
         scatter=prepared.scatter,
         notes=tuple(dict.fromkeys(prepared.responses.left_out)),
+        missing_support=prepared.missing_support,
         odd_baselines=odd.tests,
         baseline_gap=odd.apart,
         usual_gap=odd.usual,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from itertools import chain, combinations
+from itertools import chain, combinations, product
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
@@ -207,6 +207,19 @@ def same_data(name: str, sets: Sequence[Mapping[Any, Column]]) -> tuple[dict[int
     why = "number for number, as no second test does: they are counted once."
     pairs = sorted(twice.items())
     return twice, [f"{name}[{late}] repeats the values of {name}[{early}] {why}" for late, early in pairs]
+
+
+def repeated(before: Sequence[Any], now: Sequence[Any]) -> bool:
+    """Whether what was identified intact is what was identified now; exact values of a model may be alike."""
+    pairs = [
+        [(one[key], other[key]) for key in one if key in other and (len(one[key]) or len(other[key]))]
+        for one, other in product(before, now)
+        if isinstance(one, AntiresonanceSet)
+        and isinstance(other, AntiresonanceSet)
+        and one.excitation == other.excitation
+        and one.options
+    ]
+    return any(own and all(np.array_equal(*pair) for pair in own) for own in pairs)
 
 
 def values_of(sets: Sequence[Mapping[int, Column]], twice: Mapping[int, int]) -> Values:
@@ -527,7 +540,7 @@ def _changes(
 
 # -- Values that have risen since the intact state: lost stiffness lowers most of them
 
-_PAIRED_STATES = 0.3  # difference of ln f up to which values of both states are paired
+PAIRED_STATES = 0.3  # difference of ln f up to which values of both states are paired
 #: A value has moved if it differs by so many standard deviations, and by this share at least.
 _MOVED_DEVIATIONS, _MOVED = 4.0, 1e-3
 _LEAST, _MOST = 3, 0.75  # so many values must have moved, and this share of them upwards
@@ -543,7 +556,7 @@ def mostly_risen(intact: Values, now: Values) -> tuple[int, int]:
                 there = np.flatnonzero((intact.response == number) & (intact.test == other))
                 if not here.size or not there.size:
                     continue
-                change, error = _changes(now, here, intact, there, _PAIRED_STATES)
+                change, error = _changes(now, here, intact, there, PAIRED_STATES)
                 far = np.abs(change) > np.maximum(_MOVED_DEVIATIONS * error, _MOVED)
                 moved += int(far.sum())
                 up += int((far & (change > 0.0)).sum())

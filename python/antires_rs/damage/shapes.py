@@ -192,6 +192,7 @@ def structure_of(model: StructuralModel, highest_hz: float = 0.0) -> Structure:
 #: Dofs of a model of matrices up to which each may have another mass; terms up to which they are put in
 #: order, and by how much that must be the plainest order.
 _MOST_DOFS, _MOST_TERMS, _PLAINLY = 100, 300, 1.05
+_HOLDS = 30.0  # stiffness of a support, over that of the dof that it holds
 _STRAINED = 1e-6  # share of a term's largest entry from which on a force of it on the ground counts
 
 
@@ -286,6 +287,25 @@ class Structure:
         rows, columns, values = self.finer._core.stiffness_terms()[k]
         return Entries(rows, columns, factor.get(k, 1.0) * values)
 
+    def places(self, taken: set[int], *, at_ends: bool) -> list[tuple[str, list[int]]]:
+        """Where a support may have been forgotten, at ends or else, and dofs it would hold; not those
+        ``taken``."""
+        del taken, at_ends
+        return []
+
+    def held(self, dofs: Sequence[int]) -> Structure:
+        """With some dofs of the model held by stiff springs."""
+        core, other = (self.finer or self.model)._core, copy(self)
+        whole = _together([_entries(core.stiffness()), *self._stiff(dofs)])
+        terms = core.stiffness_terms(), core.mass_terms()
+        made = CoreModel.from_matrices(core.n_dof, whole, _entries(core.mass()), *terms)
+        other.finer = Joined(core.n_dof, made)
+        return other
+
+    def _stiff(self, dofs: Sequence[int]) -> list[Entries]:
+        own = np.asarray(self.model.stiffness().diagonal())
+        return [_masses(_HOLDS * float(own[dof]), [dof]) for dof in dofs]
+
     def cracks(self, element: int, shares: Sequence[float], factor: Mapping[int, float]) -> list[Shape]:
         """None."""
         del element, shares, factor
@@ -319,6 +339,16 @@ class Chain(Structure):
             found.append(Shape("support", -1, 0.0, -1, 1.0, spring, name="spring under the base"))
             found.append(replace(self.joints()[0], kind="support", node=0, name="base against tilting"))
         return found
+
+    def places(self, taken: set[int], *, at_ends: bool) -> list[tuple[str, list[int]]]:
+        """Where it is free at an end, and may have a spring as soft as the next one."""
+        recipe, last = self.model._recipe, self.model.n_dof - 1
+        ends = (0, recipe.ground_first_n_per_m), (last, recipe.ground_last_n_per_m)
+        return [(self.model.mass_label(dof), [dof]) for dof, stiffness in ends if at_ends and not stiffness]
+
+    def _stiff(self, dofs: Sequence[int]) -> list[Entries]:
+        springs = self.model._recipe.springs_n_per_m
+        return [_masses(float(springs[min(dof, len(springs) - 1)]), [dof]) for dof in dofs]
 
     @property
     def _stands(self) -> tuple[int, int] | None:
@@ -383,6 +413,7 @@ _PARTS, _HELD_UP_TO = 4, 8.0
 #: Springs of joints and supports that turn, in EI / L of the element; of supports that move, in what the
 #: elements there have.
 _HINGES, _SUPPORTS = (60.0, 25.0, 12.0, 6.0, 3.0), (30.0, 10.0, 4.0)
+_MOST_PLACES = 60  # nodes of which a support may have been forgotten
 _STILL = 1e-3  # least mass that such a mode carries along, over that of the element, as a square root
 
 
@@ -558,6 +589,20 @@ class Frame(Structure):
             row = np.flatnonzero(np.isin(self.free, [self.at[node, name] for name in self.moves]))
             if row.size:
                 found.append(Shape("mass", -1, 0.0, node, most, _masses(most, row)))
+        return found
+
+    def places(self, taken: set[int], *, at_ends: bool) -> list[tuple[str, list[int]]]:
+        """Nodes that nothing holds: in each direction alone, in all of them, and clamped."""
+        nodes = [node for node, several in self.meeting.items() if (len(several) == 1) == at_ends]
+        found = []
+        for node in nodes[:_MOST_PLACES]:
+            moves, every = (
+                np.flatnonzero(np.isin(self.free, own)).tolist()
+                for own in ([self.at[node, name] for name in self.moves], self._of_node(node))
+            )
+            if len(moves) == len(self.moves) and taken.isdisjoint(moves):
+                ways = [*([dof] for dof in moves), moves, every]
+                found += [(f"node {node}", way) for way in ways]
         return found
 
     @property

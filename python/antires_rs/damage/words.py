@@ -31,7 +31,7 @@ def _explanation(found: Assessment, one: Hypothesis) -> str:
         return one.place or "a change that no element explains"
     if _unseen(one) or max(one.severities) < _NO_LOSS:
         return f"damage of {found.hypotheses.named(one.elements[:1])}, which these values do not show"
-    return _loss_of(found, one)
+    return _loss_of(found, one) + ("" if one.candidate else ", which was no candidate")
 
 
 def _unseen(one: Hypothesis) -> bool:
@@ -223,6 +223,9 @@ def _not_explained(found: Assessment) -> str:
         have = "has" if found.n_matched == 1 else "have"
         why = f"{found.n_matched} of {found.n_values} values of now {have} a partner in it, damaged or not"
         check = "units, dofs, force and band of both tests"
+    elif found.missing_support and not found.hint:
+        why = f"held at {found.missing_support} as well, it would explain the intact structure far better"
+        check = "its supports: one may be missing"
     elif not few_alone(found.n_intact_matched, found.n_intact):
         why = f"{found.n_intact_matched} of {found.n_intact} values of the intact structure"
         why += " have a partner in it"

@@ -428,19 +428,26 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         new._fill(tables=tables, edits=(*self.edits, *records), _original=self.original())
         return new
 
-    def relabelled(self, excitation: Any, dofs: Mapping[Any, Any]) -> Self:
+    def relabelled(self, excitation: Any, dofs: Mapping[Any, Any] | None = None) -> Self:
         """The set with other names of the dofs, in tables and edits; diagrams and checks stay behind.
 
         Dofs that ``dofs``, the new name of each, lacks are left out, and the keys that hold them; if
         ``channels`` are among these, what all of them share cannot be told any more, and ``channels`` is
         empty. No dof left, or two of one name, are an InvalidInputError.
         """
+        if not isinstance(dofs, Mapping):
+            remedy = (
+                f"Write relabelled(force, {{{next(iter(self), 0)!r}: ...}}), the name of the force first."
+            )
+            reject("dofs", dofs, "a mapping of each dof to its new name", remedy)
         channels = [dofs[dof] for dof in self.channels] if all(c in dofs for c in self.channels) else ()
         if self.order > 1:
             keys = [key for key in {**self.tables, **self.left_out} if all(dof in dofs for dof in key)]
             named = key_of(force_label("excitation", excitation), keys, dofs.values())
             dofs = {key: named("dofs", [dofs[dof] for dof in key]) for key in keys}
         kept = [dofs[dof] for dof in self if dof in dofs]
+        if not kept:
+            reject("dofs", f"none of {tuple(self)}", "a new name of one of them or more", "Check the names.")
         twice = [dof for dof in kept if kept.count(dof) > 1]
         if twice:
             got = f"{twice[0]!r} for two of {tuple(self)}"

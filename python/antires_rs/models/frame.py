@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from .._core import Frame as CoreFrame
 from ..exceptions import part, reject
 from ..support.checks import FloatArray, finite_scalar, integer, real_array
+from ..support.directions import DofNames
 from ..support.messages import warn
 from ..views import Viewed
 from . import frame_parts
@@ -168,7 +170,8 @@ class FrameModel(StructuralModel, Viewed):
         for name, section in zip(recipe.section_names, recipe.sections, strict=True):
             argument = part("sections", name).attribute("youngs_modulus_pa")
             modulus = finite_scalar(argument, section.youngs_modulus_pa)
-            if 0.0 < modulus < frame_parts.SOFTEST_PA:  # a slip of units
+            softest = max(frame_parts.SOFTEST_PA, frame_parts.SOFTEST_OF_DENSITY * section.density_kg_per_m3)
+            if 0.0 < modulus < softest:  # a slip of units
                 said = "is softer than rubber. Steel has 2.1e11 Pa, and lengths are in metres."
                 warn("softer_than_rubber", f"{argument}: {modulus:g} Pa {said}")
         self._build(ModelDescription(recipe))
@@ -249,6 +252,10 @@ class FrameModel(StructuralModel, Viewed):
 
     def _dof_labels(self) -> list[str]:
         return [f"node {node} {direction}" for node, direction in self._frame.dof_names()]
+
+    @cached_property
+    def _names(self) -> DofNames:
+        return DofNames(self._dof_labels(), [f"{node}:{direction}" for node, direction in self.fixed])
 
     def section_index(self, name: str | int) -> int:
         """Index of a section, by its name."""

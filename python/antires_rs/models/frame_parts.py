@@ -186,7 +186,9 @@ def text(name: str, i: int | None, value: Any) -> str:
 #: (shape, dimensions, E, density, Poisson's ratio), as the core takes it.
 SectionParts = tuple[str, list[float], float, float, float]
 
-SOFTEST_PA = 1e5  # Young's moduli below this are taken for another unit
+#: Young's moduli below this, or below so much for each kg/m3 of density, are taken for another unit: rubber
+#: has 800 for each, what is in MPa 10 to 30, and mm, N and tonnes throughout 3e13.
+SOFTEST_PA, SOFTEST_OF_DENSITY = 1e5, 500.0
 
 
 @dataclass(frozen=True)

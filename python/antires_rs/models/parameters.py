@@ -14,7 +14,7 @@ from typing import Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
-from ..exceptions import Name, reject
+from ..exceptions import Name, part, reject
 from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array, shape_of
 from ..support.messages import warn
 
@@ -199,6 +199,7 @@ def _bounds(bounds: Any, quantity: Quantity, relative: bool) -> Bounds:
 # -- What parameters are called in tables, and values far from those of the model
 
 FAR = 5.0  # a nominal value this factor outside the bounds is taken for a slip
+FACTORS = (0.1, 10.0)  # bounds about 1 within these are then taken for factors
 
 
 def parameter_name(model: Any, parameter: Parameter) -> str:
@@ -227,15 +228,18 @@ def parameter_name(model: Any, parameter: Parameter) -> str:
     return f"{name} ({unit})" if unit else name
 
 
-def warn_far(parameters: Iterable[Parameter], names: Sequence[str], nominal: FloatArray) -> None:
-    """Bounds in another unit than the model's value are a slip that no search can mend."""
-    for parameter, name, value in zip(parameters, names, nominal, strict=True):
+def check_far(parameters: Iterable[Parameter], names: Sequence[str], nominal: FloatArray) -> None:
+    """Bounds in another unit than the model's value are a slip that no search can mend; those of factors that
+    are not said to be some are refused."""
+    for nth, (parameter, name, value) in enumerate(zip(parameters, names, nominal, strict=True)):
         low, high = parameter.bounds
         if value > 0.0 and not low / FAR <= value <= FAR * high:
-            hint = "Check the unit of the bounds."
-            if parameter.nominal is None and high < 100.0:
-                hint = "Bounds that are factors need relative=True."
-            far = f"{name}: the model has {value:g}, far outside the bounds ({low:g}, {high:g}). {hint}"
+            span = f"({low:g}, {high:g})"
+            if parameter.nominal is None and FACTORS[0] <= low <= 1.0 <= high <= FACTORS[1]:
+                argument = part("parameters", nth).attribute("bounds")
+                wanted = f"bounds of {name} about the {value:g} that the model has, or factors"
+                reject(argument, span, wanted, "Factors need relative=True.")
+            far = f"{name}: the model has {value:g}, far outside the bounds {span}. Check their unit."
             warn("far_outside_bounds", far)
 
 

@@ -159,10 +159,18 @@ class FrameRecipe(_Recipe):
     def section_index(self, name: str | int) -> int:
         """Index of a section by its name."""
         names = self.section_names
-        if name not in names and isinstance(name, str):
-            wanted = f"a section of the model: {', '.join(map(repr, names))}"
-            reject("sections", repr(name), wanted, "Correct the name.")
-        return names.index(name) if isinstance(name, str) else integer("sections", name, low=0)
+        if name in names:
+            return names.index(name)
+        if not isinstance(name, str) and integer("sections", name, low=0) < len(names):
+            return name
+        wanted = f"a section of the model: {', '.join(map(repr, names))}"
+        remedy = "Correct the name."
+        if not isinstance(name, str):
+            remedy = (
+                f"{len(self.beams)} elements share these, equal sections being one: element_sections tells "
+            )
+            remedy += "which. For single elements use stiffness_factor."
+        reject("sections", repr(name), wanted, remedy)
 
     def core(self) -> CoreModel:
         """The frame, assembled anew."""

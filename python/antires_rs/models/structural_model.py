@@ -58,7 +58,8 @@ class ModelDescription(Value):
         parts: list[CoreParameter] = []
         for p in parameters:
             moves = (p.pivot or 0, p.axis) if p.quantity in MOVES else None
-            indices = [t if isinstance(t, int) else self.recipe.section_index(t) for t in p.terms]
+            named = p.quantity in OF_SECTIONS
+            indices = [self.recipe.section_index(term) if named else term for term in p.terms]
             parts.append((p.quantity, indices, p.relative, moves))
         acting: list[Any] = []
         for quantity, terms, _, moves in parts:  # several angles, lengths and positions may move one node

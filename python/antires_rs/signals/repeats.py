@@ -61,6 +61,7 @@ def averaged(responses: Sequence[FrequencyResponse], name: str = "source") -> Fr
     if len(responses) == 1:
         return first
     values = np.stack([as_first(first, one, Argument(name).item(i)) for i, one in enumerate(responses)])
+    _each_once(values, name)
     if first.reference is None:
         mean = np.asarray(values.mean(axis=0), dtype=np.complex128)
     else:
@@ -92,7 +93,17 @@ def pooled(records: Sequence[Recording], name: str = "source") -> Recording:
         if rec.dofs != first.dofs:
             rec = Recording(rec.responses[rows], rec.fs_hz, first.dofs, rec.force)
         same.append(rec)
+    _each_once([rec.responses for rec in same], name)
     return PooledRecording(same) if len(same) > 1 else first
+
+
+def _each_once(several: Any, name: str) -> None:
+    """Refuse a measurement that is there twice: what is known would look more exact than it is."""
+    for i, one in enumerate(several):
+        for k in range(i):
+            if np.array_equal(one, several[k]):
+                got, wanted = f"the numbers of measurement {k + 1} again", "another measurement of the test"
+                reject(Argument(name).item(i), got, wanted, "Was one file given twice? Leave it out.")
 
 
 def _rows(first: Any, one: Any, name: Argument, got: str, kind: str) -> list[int]:

@@ -37,7 +37,8 @@ _OFFERED = 4  # so many names are offered instead of an unknown one
 class DofNames:
     """The dof of each name: the name itself, or its node and direction however they are written."""
 
-    def __init__(self, labels: Sequence[str]) -> None:
+    def __init__(self, labels: Sequence[str], fixed: Sequence[str] = ()) -> None:
+        self._fixed = {point_of(label) for label in fixed}
         self._dof = {label: dof for dof, label in enumerate(labels)}
         self._at: dict[tuple[int, int], int] = {}
         for dof, label in enumerate(labels):
@@ -53,6 +54,9 @@ class DofNames:
             dof = self._at.get(point)
         if dof is not None:
             return dof
+        if point is not None and point in self._fixed:
+            remedy = "A fixed dof does not move: it has no response, and a force on it does nothing."
+            reject(name, f"{label!r}, which is fixed", "a free dof", remedy)
         listed = list(self._dof)
         of_node = [listed[d] for (node, _), d in self._at.items() if point and node == point[0]]
         near = (of_node or get_close_matches(label, listed, _OFFERED, 0.5) or listed)[:_OFFERED]

@@ -16,7 +16,9 @@ from contextvars import ContextVar
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
-from ..exceptions import reject
+import numpy as np
+
+from ..exceptions import NumericalError, reject
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -50,7 +52,10 @@ _AT: ContextVar[list[str] | None] = ContextVar("_AT", default=None)
 
 @contextmanager
 def waiting(what: str, progress: bool | None) -> Iterator[None]:
-    """Show ``what``, the latest :func:`step` and the seconds; inside another one this is a step of that."""
+    """Show ``what``, the latest :func:`step` and the seconds; inside another one this is a step of that.
+
+    A LinAlgError becomes one of ours.
+    """
     if _AT.get() is not None:
         step(what)
         yield
@@ -63,6 +68,11 @@ def waiting(what: str, progress: bool | None) -> Iterator[None]:
         thread.start()
     try:
         yield
+    except np.linalg.LinAlgError as error:  # NumPy's, of input that no check has foreseen
+        why = (
+            f"{error}. Are all units those of the model and of the values, and no values equal or far apart?"
+        )
+        raise NumericalError(what, why) from error
     finally:
         _AT.reset(token)
         over.set()

@@ -11,10 +11,10 @@ import numpy as np
 
 from .. import _core
 from .._core import __version__
-from ..exceptions import reject
+from ..exceptions import NumericalError, reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
-from ..models.parameters import Parameter, parameter_name, parameter_tuple, warn_far
+from ..models.parameters import Parameter, check_far, parameter_name, parameter_tuple
 from ..models.structural_model import StructuralModel, checked_model
 from ..optimize.checkpoint import digest_of
 from ..optimize.island_ga import thread_count
@@ -29,7 +29,16 @@ from ..support.checks import (
     shape_of,
 )
 from ..support.values import AroundCore, ReadOnly, frozen
-from .targets import AntiresonanceTargets, FrequencyTable, ModalTable, ModalTargets, Part, Targets, targets_of
+from .targets import (
+    AntiresonanceTargets,
+    FrequencyTable,
+    ModalTable,
+    ModalTargets,
+    Part,
+    Targets,
+    roots_of,
+    targets_of,
+)
 
 Misfit = Literal["absolute", "squared", "largest"]
 
@@ -224,7 +233,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         nominal = _core.nominal_values(model._core, parts)
         _core.check_bounds(model._core, parts, bounds[:, 0].copy(), bounds[:, 1].copy())
         names = tuple(parameter_name(model, p) for p in chosen)
-        warn_far(chosen, names, nominal)
+        check_far(chosen, names, nominal)
         factors = targets.weights(weights)
         counted = np.ones(targets.hz.size) if factors is None else factors
         if targets.noun == "mode":
@@ -371,24 +380,32 @@ _BETWEEN: tuple[tuple[float, str], ...] = (
     (0.5, "is their sampling rate given half the true one?"),
 )
 _SHARE, _BETTER = 0.7, 1.3  # so many of values and roots have a partner, so many more than without
+_MOST_PLACES, _ALIKE, _NAMED = 60, 0.05, 3  # where a force is looked for; shares alike; places that are named
+_THROUGHOUT = "is a modulus, a density (mass per length?), a section or a length wrong throughout?"
 _ORDINARY = 0.1  # nearer to 1, in ln f, a ratio is an error of the model as any has, and what updating is for
-MOST_DOFS = 600  # larger models take too long to be asked for all their roots or modes
+MOST_DOFS, _LOWEST = 600, 40  # larger models take too long to be asked for more than so many modes
 
 
-def hint_of(model: StructuralModel, targets: Targets) -> str:
-    """A mistake that would account for values that the model does not explain; '' if none is known."""
-    if model.n_dof > MOST_DOFS:
-        return ""
+def hint_of(model: StructuralModel, targets: Targets) -> tuple[str, float]:
+    """A mistake that would account for values that the model does not explain, '' if none is known, and by
+    what factor it has made them too high; infinity where K and M were exchanged."""
+    values = _values(targets) if isinstance(targets, AntiresonanceTargets) else _listed([targets.hz])
+    highest, few = np.inf, None
+    if model.n_dof > MOST_DOFS:  # the lowest roots of a large model tell as well
+        few = _LOWEST + 2 * int(np.bincount(values[0]).max())
+        try:
+            highest = float(model.modes(few).freq_hz[-1])
+        except NumericalError:  # what is wrong with such a model is told elsewhere
+            return "", 1.0
     if isinstance(targets, AntiresonanceTargets):
-        values = _values(targets)
         found = [np.empty(0)] * len(targets.parts)
         for force in set(targets.forces):
             own = [nth for nth, part in enumerate(targets.parts) if part[1] == force and part[2].size]
-            zeros = model.antiresonances([targets.parts[nth][0] for nth in own], force) if own else []
+            zeros = roots_of(model, [targets.parts[nth][0] for nth in own], force, highest, False)
             for nth, freq in zip(own, zeros, strict=True):
-                found[nth] = freq
+                found[nth] = np.empty(0) if freq is None else freq
     else:
-        values, found = _listed([targets.hz]), [model.modes().freq_hz]
+        found = [model.modes(few).freq_hz]
     roots = _listed(found)
     both = [number for number in np.unique(values[0]) if (roots[0] == number).any()]
     first = [values[1][values[0] == n].min() - roots[1][roots[0] == n].min() for n in both]
@@ -399,12 +416,39 @@ def hint_of(model: StructuralModel, targets: Targets) -> str:
     order = len(roots[0]) - 1 - np.argsort(roots[0][::-1], kind="stable")
     turned = roots[0][order], -roots[1][order] - 2.0 * math.log(math.tau)
     if _share(values, turned, 0.0) >= max(_SHARE, shares[best], _BETTER * plain):
-        return "Each root of the model is the inverse of a measured one: are K and M swapped?"
+        return "Each root of the model is the inverse of a measured one: are K and M swapped?", math.inf
     if shares[best] < max(_SHARE, _BETTER * plain):
-        return ""
+        return _other_force(model, targets, highest), 1.0
     ratio, why = guesses[best]
     what = f"All measured values are about {_said(ratio)} times those of the model: "
-    return what + (why or "is a stiffness, a mass or a length wrong throughout?")
+    return what + (why or _THROUGHOUT), ratio
+
+
+def _other_force(model: StructuralModel, targets: Targets, highest_hz: float) -> str:
+    """Where else a force explains the values of its sets far better; '' if nowhere."""
+    if not isinstance(targets, AntiresonanceTargets):
+        return ""
+    for force in dict.fromkeys(targets.forces):
+        parts = [part for part in targets.parts if part[1] == force and part[2].size]
+        ends = list(dict.fromkeys(part[0] for part in parts))
+        if isinstance(force, tuple) or not parts:
+            continue
+        values, limit = (
+            _listed(part[2] for part in parts),
+            min(1.1 * max(part[2].max() for part in parts), highest_hz),
+        )
+        shares: dict[Any, float] = {}
+        for place in dict.fromkeys([force, *ends, *model._sensor_dofs[:_MOST_PLACES]]):
+            found = dict(zip(ends, roots_of(model, ends, place, limit, True), strict=True))
+            roots = [found[part[0]] for part in parts]
+            shares[place] = _share(values, _listed(np.empty(0) if one is None else one for one in roots), 0.0)
+        best = sorted(shares, key=lambda place: -shares[place])
+        better = [place for place in best if shares[place] >= max(_SHARE, _BETTER * shares[force])]
+        near = [model.dof_label(place) for place in better if shares[place] > shares[best[0]] - _ALIKE]
+        if near:
+            named = " or ".join(near[:_NAMED])
+            return f"With the force at {named} it would fit better than at {model.dof_label(force)}."
+    return ""
 
 
 def hint_between_states(intact: Pairs, now: Pairs) -> str:
@@ -445,6 +489,7 @@ class Explained:
     n_roots: int  # of the model, between the lowest and the highest value of each response
     n_paired: int
     hint: str = ""  # a mistake that would account for it, in words
+    scale: float = 1.0  # factor by which that has made the values too high
     common_loss: float = 0.0  # of all stiffnesses alike, where it explains more than losses of single ones
     left: float = 0.0  # largest difference of a frequency, where losses do not explain what is beyond errors
 
@@ -498,7 +543,24 @@ def explained(problem: UpdatingProblem, x: FloatArray, *, doubted: bool = False)
         found = Explained(near.size, near.size, int(alike.sum()))
     if found.enough and not doubted:
         return found
-    return replace(found, hint=hint_of(problem.model, targets))
+    hint, scale = hint_of(problem.model, targets)
+    return replace(found, hint=hint, scale=scale)
+
+
+#: Fewer values fit any scale by chance; and a smaller factor (ln) may be that of a model that can be learned.
+_TELLING, _HOPELESS = 4, 0.65
+
+
+def refuse_other_units(problem: UpdatingProblem) -> None:
+    """Refuse, before the work, a model wrong by so large a common factor that nothing can be learned."""
+    hint, scale = "", 1.0
+    if problem.model.n_dof > MOST_DOFS:  # what it explains takes longer to tell
+        hint, scale = hint_of(problem.model, problem._targets)
+    elif not (fit := explained(problem, problem.nominal)).enough:
+        hint, scale = fit.hint, fit.scale
+    if problem.measured_hz.size >= _TELLING and abs(math.log(scale)) > _HOPELESS:
+        got, wanted = "one that does not explain the measurement", "a model of the tested structure"
+        reject("model", got, wanted, f"{hint} Check units of the model and of the values.")
 
 
 def _listed(frequencies: Iterable[FloatArray]) -> Pairs:

@@ -34,6 +34,7 @@ class _Differences:
     measured_hz: FloatArray
     before_hz: FloatArray
     after_hz: FloatArray
+    corrected: bool
 
     @property
     def before_percent(self) -> FloatArray:
@@ -54,6 +55,10 @@ class _Differences:
     def largest_after_percent(self) -> float:
         """Largest absolute difference after; NaN if nothing has a partner."""
         return float(np.fmax.reduce(np.abs(self.after_percent), initial=np.nan))
+
+    @property
+    def _what(self) -> str:
+        return "corrected" if self.corrected else "measured"
 
     @property
     def _closing(self) -> str:
@@ -89,6 +94,8 @@ class FrequencyTable(_Differences, Value):
     dof, excitation, dof_names : ndarray of int, (m,), and dict of int to str
         Response and force, zero-based, and their names, for models that have some ("mass 3"), shown in print.
         Of several forces at once the arrays hold tuples of dofs.
+    corrected : bool
+        Whether ``measured_hz`` are corrected by a baseline: without what the model lacks in both states.
     measured_hz, before_hz, after_hz : ndarray, (m,)
         Frequencies; NaN where the model has no partner.
 
@@ -106,6 +113,7 @@ class FrequencyTable(_Differences, Value):
     before_hz: FloatArray
     after_hz: FloatArray
     dof_names: dict[int, str] = field(default_factory=dict)
+    corrected: bool = False
 
     def named(self, end: Any, otherwise: str = "{}", *, listed: bool = False) -> str:
         """A response or force by the names of its dofs; ``otherwise`` of what has none."""
@@ -119,7 +127,7 @@ class FrequencyTable(_Differences, Value):
         width = max([7, *map(len, pairs)])
         minor, of = ("det H_IJ", "(I, J)") if several else ("H_ik", "(i, k)")
         head = [
-            f"{minor:>{width}}   measured      before             after",
+            f"{minor:>{width}}  {self._what:>9s}      before             after",
             f"{of:>{width}}         Hz          Hz       %          Hz       %",
         ]
         return self._text(head, [f"{pair:>{width}}" for pair in pairs])
@@ -135,6 +143,8 @@ class ModalTable(_Differences, Value):
         Number of the mode among those measured together, from 0.
     measured_hz, before_hz, after_hz, before_mac, after_mac : ndarray, (m,)
         Resonances, and MAC of the measured shape with the partner's; NaN where the model has none.
+    corrected : bool
+        As of a :class:`FrequencyTable`.
     before_mode, after_mode : ndarray, (m,), or None
         Number of the partner among the modes of the model, from 0, rigid-body ones counted; NaN likewise.
 
@@ -154,6 +164,7 @@ class ModalTable(_Differences, Value):
     after_mac: FloatArray
     before_mode: FloatArray | None = None
     after_mode: FloatArray | None = None
+    corrected: bool = field(default=False, kw_only=True)
 
     @property
     def partners(self) -> tuple[FloatArray, FloatArray]:
@@ -164,7 +175,7 @@ class ModalTable(_Differences, Value):
 
     def __str__(self) -> str:
         head = [
-            "mode   measured      before                            after",
+            f"mode  {self._what:>9s}      before                            after",
             "             Hz  mode          Hz       %    MAC  mode          Hz       %    MAC",
         ]
         both = zip(self.partners, (self.before_mac, self.after_mac), strict=True)
