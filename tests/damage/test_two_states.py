@@ -358,10 +358,8 @@ def test_the_same_identified_values_twice_are_no_two_tests():
     case = ar.cases.chain8()
     rec = case.model.simulate(excitation=0, fs_hz=250.0, duration_s=60.0, damping_ratio=0.01, rng=1)
     found = ar.identify_antiresonances(rec, excitation=0, band_hz=(3, 100))
-    words = "^baseline: got the values of measured, number for number.*Was one file given twice"
-    refused(words, ar.assess_damage, case.model, found, baseline=[found])
-    refused(
-        words, ar.assess_damage, case.model, ar.AntiresonanceSet.from_json(found.to_json()), baseline=found
-    )
+    again = ar.AntiresonanceSet.from_json(found.to_json())
+    with pytest.warns(ar.AntiresWarning, match="number for number.*Was one file given twice"):
+        assert ar.assess_damage(case.model, again, baseline=[found]).damaged == []
     exact = case.exact(level=0)  # which are alike for any two tests
     assert ar.assess_damage(case.model, exact, baseline=exact).damaged == []

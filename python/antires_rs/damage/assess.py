@@ -20,7 +20,7 @@ from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel, checked_model
 from ..optimize.island_ga import History, IslandGA, OptimizeResult, seed_of, thread_count
 from ..support.checks import FloatArray, integer, shape_of
-from ..support.messages import some
+from ..support.messages import some, warn
 from ..support.options import gathered
 from ..support.progress import one_blas_thread, patient, waiting
 from ..support.values import FrozenDict, ReadOnly
@@ -531,8 +531,8 @@ def assess_damage(
     options = options.of(TWO_STATES, optimizer=optimizer, callback=callback, checkpoint=checkpoint)
     before, now = sets_of("baseline", baseline), sets_of("measured", measured)
     if repeated(before, now):
-        got = "the values of measured, number for number, as no second test gives them"
-        reject("baseline", got, "another test, of the intact structure", "Was one file given twice?")
+        said = "baseline: has the values of measured, number for number, as no second test gives them. "
+        warn("copied_setups", said + "Was one file given twice?")
     question = question_of(model, before, now, chosen, prior, options)
     if isinstance(now[0], AntiresonanceSet):
         warn_of_channels(model, before, now)
