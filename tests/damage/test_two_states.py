@@ -14,7 +14,6 @@ from antires_rs.damage.likelihood import Question
 from reference.wrong_chains import NOMINAL, N, assessed, chain, changed, measured, states, truth
 from tests.damage.test_modes import measured as modes
 from tests.support.campaign import some_of
-from tests.support.refusals import refused
 from tests.support.snapshots import refusals
 
 
