@@ -15,7 +15,12 @@ _Term = tuple[NDArray[np.uint32], NDArray[np.uint32], _Floats]
 _Columns = tuple[NDArray[np.int64], NDArray[np.int64], _Floats]
 _Section = tuple[str, list[float], float, float, float]
 _Row = tuple[list[int], str | None, list[float]]
-_Parameter = tuple[str, list[int], bool, tuple[int, tuple[float, float, float]] | None]
+_Parameter = tuple[
+    str,
+    list[int],
+    bool,
+    tuple[int, tuple[float, float, float]] | tuple[float, list[tuple[bool, int]]] | None,
+]
 _Progress = Callable[[dict[str, Any]], bool | None]
 
 __all__ = [

@@ -12,7 +12,7 @@ import antires_rs as ar
 from antires_rs.app import main as cli
 from antires_rs.app.arguments import model_of, parameters_of
 from antires_rs.app.job import read_job
-from antires_rs.app.reading import measured_of
+from antires_rs.app.reading import measured_of, read_of
 from tests.support.campaign import some_of
 from tests.support.job_files import DAMAGE, UPDATE, losses, run, write_measured
 
@@ -205,6 +205,40 @@ def test_dofs_of_a_frame_by_node_and_direction(tmp_path):
     ar.AntiresonanceSet("node 4 v", dict(zip(dofs, zeros, strict=True))).save(tmp_path / "measured.json")
     job = with_model(DAMAGE, FRAME).replace("[damage]", "[damage]\nelements = [0, 1, 2, 3]")
     assert losses(run(tmp_path, job)) == {"element 1": 0.4}
+
+
+POINTS = """name;x [mm];y [mm];z [mm];direction
+near;250;1;0;+Y
+mid;500;0;0;-Y
+far;748;0;0;y
+tip;1000;0;0;+Y
+loose;600;400;0;+Y
+"""
+
+
+def test_channels_are_at_the_nodes_of_their_points(tmp_path):
+    """Backwards in one, far from the model in another, not in the table in a third; a set has no sign."""
+    model, rng = frame_model(), np.random.default_rng(0)
+    names = ["near", "mid", "far", "tip", "loose", "spare"]
+    record = ar.Recording(rng.standard_normal((6, 64)), 1000.0, dofs=names)
+    ar.write_npz(tmp_path / "record.npz", record)
+    (tmp_path / "points.csv").write_text(POINTS)
+    given = '[data]\nfile = "record.npz"\npoints = "points.csv"\nexcitation = "mid"\nband_hz = [3, 400]\n'
+    job = with_model(DAMAGE, FRAME)
+    text = given + job[job.index("[model]") :]
+    with pytest.warns(ar.AntiresWarning, match="'?loose'?.* m away|no row of spare"):
+        (measured,) = read_of(job_of(tmp_path, text), model)
+    assert list(measured.signal.dofs) == [model.dof(node, "v") for node in (1, 2, 3, 4)]
+    assert measured.force == model.dof(2, "v")
+    np.testing.assert_array_equal(measured.signal.responses, record.responses[:4] * [[1], [-1], [1], [1]])
+    ar.AntiresonanceSet("mid", {name: [10.0] for name in names[:5]}).save(tmp_path / "set.json")
+    text = text.replace("record.npz", "set.json").replace('excitation = "mid"\nband_hz = [3, 400]\n', "")
+    with pytest.warns(ar.AntiresWarning, match="loose"):
+        (measured,) = measured_of(job_of(tmp_path, text), model)
+    assert list(measured.found) == [model.dof(node, "v") for node in (1, 2, 3, 4)]
+    (tmp_path / "points.csv").write_text(POINTS.replace(" [mm]", "").rpartition("loose")[0])
+    with pytest.raises(ar.UnsuitableDataError, match="are in mm"):
+        measured_of(job_of(tmp_path, text), model)
 
 
 def test_matrices_of_other_programs(tmp_path):

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize_scalar
 
 import antires_rs as ar
 from antires_rs.app.main import main as antires
@@ -91,8 +90,8 @@ def test_terms_of_one_thickness_are_wrong_together_or_not_at_all():
     assert [(p.quantity, p.terms) for p in factors_of(model)] == [("stiffness_factor", (0,))]
 
 
-def test_a_thickness_is_found_around_the_updating_of_the_rest():
-    """As docs/fe_codes.md has it, of a value in K by -1, 1 and 3 and in M by 1."""
+def test_a_thickness_is_one_parameter(tmp_path):
+    """Of a value in K by -1, 1 and 3 and in M by 1, in its unit, beside a modulus; applied twice; kept."""
     pulled = 2.0 * np.eye(6) - np.eye(6, k=1) - np.eye(6, k=-1)
     ends, bent = np.diag([0.0, 0.0, 1.0, 1.0, 1.0, 0.0]), np.zeros((6, 6))
     bent[2:5, 2:5] = np.outer([1.0, -2.0, 1.0], [1.0, -2.0, 1.0])
@@ -107,15 +106,26 @@ def test_a_thickness_is_found_around_the_updating_of_the_rest():
     truth = model.with_group_factors({"web": 0.93, "skin": 1.12})
     found = {dof: truth.antiresonances(dof, "1:Z") for dof in ("1:Z", "2:Z", "3:Z")}
     measured = ar.AntiresonanceSet("1:Z", found)
-
-    def fitted(factor):
-        now = model.with_group_factors({"skin": factor})
-        problem = ar.UpdatingProblem(now, ar.stiffness_factor("web", bounds=(0.7, 1.3)), measured)
-        return ar.update(problem, rng=0)
-
-    best = minimize_scalar(lambda s: fitted(s).fun, bounds=(0.8, 1.25), method="bounded")
-    now = fitted(best.x).model.group_factors
-    assert now == pytest.approx({"web": 0.93, "skin": 1.12}, rel=1e-4)
+    chosen = [ar.youngs_modulus("web", bounds=(70.0, 130.0)), ar.thickness("skin", bounds=(1.6, 2.6))]
+    problem = ar.UpdatingProblem(model, chosen, measured)
+    assert problem.names == ["Young's modulus of web", "thickness of skin"]
+    assert problem.nominal.tolist() == [100.0, 2.0]
+    result = ar.update(problem, rng=0)
+    np.testing.assert_allclose(result.x, [93.0, 2.24], rtol=1e-6)
+    assert result.model.group_factors == pytest.approx({"web": 0.93, "skin": 1.12}, rel=1e-6)
+    for name, (low, high) in result.interval.items():
+        assert low < result.x[problem.names.index(name)] < high
+    # Values replace those that an updating has left; factors are on them.
+    again = ar.UpdatingProblem(result.model, chosen, measured)
+    np.testing.assert_allclose(again.nominal, result.x)
+    thin = result.model.with_parameters(ar.thickness("skin", bounds=(1.0, 2.0)), 1.5)
+    half = thin.with_parameters(ar.thickness("skin", bounds=(0.4, 2.0), relative=True), 0.5)
+    assert half.group_factors == pytest.approx({"web": 0.93, "skin": 0.375}, rel=1e-6)
+    expected = model.with_group_factors(half.group_factors)
+    np.testing.assert_allclose(half.stiffness().toarray(), expected.stiffness().toarray(), rtol=1e-12)
+    result.save(tmp_path / "result.npz")
+    kept = ar.UpdateResult.load(tmp_path / "result.npz")
+    assert (kept.model.stiffness() != result.model.stiffness()).nnz == 0
 
 
 def test_what_is_wrong_is_told(program, deck, tmp_path, monkeypatch):

@@ -25,6 +25,8 @@ def model(args: argparse.Namespace) -> int:
     source = existing("SOURCE", Path(_FUNCTION.sub("", args.source)), "Name the input of the code.")
     new_file("--out", args.out, source.suffix if args.result else ".npz")
     if args.result:
+        for name in (one for one in ("groups", "mesh") if getattr(args, one)):
+            reject(f"--{name}", "it beside --result", "a result, which has its model, alone", "Leave it out.")
         return _write(args)
     if not args.groups:
         reject("--groups", "nothing", "the groups that may be scaled", "As in --groups elset.")

@@ -23,6 +23,7 @@ from ..identification.options import sorted_out
 from ..io.channels import renamed
 from ..io.common import Signal
 from ..io.own_format import relabelled
+from ..io.points import MatchedPoints, match_points
 from ..io.registry import CONVERT, READERS, differences
 from ..io.uff import as_point, force_of, label_of
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -43,7 +44,7 @@ from .parser import nearest
 
 _READERS: dict[str, Callable[..., Signal]] = {**READERS, FOLDER: io.read_frf_files}
 #: Keys of [data] that are not a reader's.
-_OURS = {"file", "repeats", "format", "excitation", "band_hz", "dofs", "drop", "add"}
+_OURS = {"file", "repeats", "format", "excitation", "band_hz", "dofs", "points", "drop", "add"}
 
 
 def read_signal(file: Path, kind: str, options: Mapping[str, Any], spell: Spell = Job.spelled) -> Signal:
@@ -130,9 +131,23 @@ class Measurement:
             found = {key: self._find((*place, "dofs", key), dof) for key, dof in given}
             self._names |= {dof: str(key) for key, dof in found.items() if named and type(dof) is int}
             self._dofs = found if named else list(found.values())
+        self._points = self._matched() if "points" in table else None
         say(f"reading {self.file.name}" + (f" and {len(self.repeats)} more" if self.repeats else ""))
         if self.kind != "antiresonances":
             self._read()
+
+    def _matched(self) -> MatchedPoints:
+        """Where the channels are on the model."""
+        at = (*self.place, "points")
+        if self._model is None or self._dofs is not None:
+            got = "it beside dofs" if self._model is not None else "it without a model"
+            self.job.reject(at, got, "points on the model of the job, which give the dofs", "Leave it out.")
+        file = self.job.existing(at, self.table["points"])
+        with self.job.blame(self.place, {"path": at, "points": at, "nodes": ("model",)}):
+            matched = match_points(file, self._model)
+        found = {name: self._find(at, dof) for name, dof in matched.dofs.items()}
+        self._names |= {dof: str(name) for name, dof in found.items() if type(dof) is int}
+        return matched
 
     def _read(self) -> None:
         job, place = self.job, self.place
@@ -163,6 +178,8 @@ class Measurement:
     def _acts_at(self, force: Any) -> Any:
         """The dof of a place of a force; the name of a channel stands for its own."""
         at = (*self.place, "excitation")
+        if self._points is not None:
+            force = self._points.dofs.get(force, force)
         if isinstance(self._dofs, dict) and force in self._dofs:
             if self._dofs[force] is not False:
                 force = self._dofs[force]
@@ -265,6 +282,11 @@ class Measurement:
         if self._model is None:
             return signal
         at = (*self.place, "dofs")
+        if self._points is not None:
+            if lost := {*map(str, signal.dofs)} - {*self._points.points}:
+                warn("points_without_dof", f"points: no row of {some(sorted(lost))}, which is left out.")
+            with self.job.blame(self.place, {"signal": (*self.place, "points")}):
+                signal = self._points.apply(signal)
         dofs = [self._of_model(at, self._find(at, name), name) for name in signal.dofs]
         if dofs == list(signal.dofs):
             return signal
@@ -275,6 +297,8 @@ class Measurement:
         """A set of a file at dofs of the model; the same object where nothing changes."""
         names, at = self._dofs or {}, (*self.place, "dofs")
         channels = list(found if found.order == 1 else found.channels)
+        if self._points is not None:  # without those askew, which would have to be turned before
+            names = {**dict.fromkeys(map(str, channels), False), **self._points.dofs}
         if isinstance(names, list):
             if len(names) != len(channels):
                 wanted = f"{len(channels)}, one for each of {channels}"

@@ -133,6 +133,10 @@ def init(args: argparse.Namespace) -> int:
         reading = {name: value for name, value in own.items() if value is not None}
         options |= {"data": _from(job, args.data), "reading": reading}
         options |= _channels(args.data, known, reading)
+        if args.points is not None:  # these find the channels
+            existing("--points", args.points, "Name the table of the points.")
+            options["reading"] = reading | {"points": _from(job, args.points)}
+            options["channels"] = []
     if args.excitation is not None:
         options["excitation"] = str(args.excitation)
     if args.baseline is not None:

@@ -135,7 +135,7 @@ class _Drawn:
         look = {"fontsize": mark.size, "color": mark.colour, "ha": across, "va": along, "zorder": zorder}
         look |= {"fontstyle": "italic" if mark.slanted else "normal", "rotation": 90 if mark.turned else 0}
         if mark.halo:
-            look["path_effects"] = [withStroke(linewidth=2.5, foreground="white")]
+            look["path_effects"] = [withStroke(linewidth=4.0, foreground="white")]
         for x, y, text in zip(mark.x, mark.y, mark.texts, strict=True):
             offset = (mark.away * way[0], mark.away * way[1])
             self.ax.annotate(text, (x, y), xytext=offset, textcoords="offset points", **look)
@@ -187,6 +187,8 @@ class _Drawn:
             look["path_effects"] = [withStroke(linewidth=mark.width + 2.5, foreground="white")]
         for tail, head in zip(mark.tails, mark.heads, strict=True):
             self.ax.annotate("", head, xytext=tail, arrowprops=look, zorder=zorder)
+        self.ax.update_datalim([*mark.tails, *mark.heads])  # which annotations do not count for
+        self.ax.autoscale_view()
         self.ax.plot([], [], ls="", marker=r"$\rightarrow$", ms=13, color=mark.colour, label=mark.label)
 
 

@@ -116,9 +116,9 @@ def _lead(result: UpdateResult) -> str:
         given = f"{count} measured resonances with shapes at {dofs}"
     else:
         what, names = "antiresonance", [dof_name(problem.model, each.excitation) for each in sets]
-        kind = names[0].split()[0]  # "dof" or "node", once
-        forces = ", ".join(name.removeprefix(f"{kind} ") for name in names)
-        given = f"{count} measured antiresonances, force at {kind} {forces}"
+        kind = "".join(names[0].partition(" ")[:2]) if " " in names[0] else ""  # "dof" or "node", once
+        forces = ", ".join(name.removeprefix(kind) for name in names)
+        given = f"{count} measured antiresonances, force at {kind}{forces}"
     if not isinstance(result, DamageResult):
         return f"{given}; {len(result.x)} parameters."
     if result.has_baseline:

@@ -162,4 +162,5 @@ def _level(values: Any) -> FloatArray:
 
 def dof_name(model: StructuralModel, dof: Any) -> str:
     """A dof as the tables name it, or several of them."""
-    return label_text(dof, getattr(model, "dof_name", "dof {}".format))
+    name = model.dof_label if hasattr(model, "dof") else "dof {}".format
+    return label_text(dof, lambda one: one if isinstance(one, str) else name(one))

@@ -37,9 +37,9 @@ from ..models.frame import FrameModel
 from ..models.frame_parts import PARTS
 from ..models.matrices import Entries
 from ..models.matrix_model import MatrixModel
-from ..models.parameters import Parameter
+from ..models.parameters import AppliedParameters, Parameter
 from ..models.recipes import ChainRecipe, FrameRecipe, MatrixRecipe
-from ..models.structural_model import AppliedParameters, ModelDescription, Recipe, StructuralModel
+from ..models.structural_model import ModelDescription, Recipe, StructuralModel
 from ..optimize import island_ga
 from ..optimize.island_ga import History, OptimizeResult
 from ..support.messages import warn

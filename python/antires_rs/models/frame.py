@@ -239,10 +239,12 @@ class FrameModel(StructuralModel, Viewed):
     def dof(self, node: int, direction: str) -> int:
         """Number of a dof from 0, as rows of the matrices and of FRFs are counted.
 
-        Directions are ``'u', 'v', 'theta'`` in the plane, ``'u', 'v', 'w', 'rx', 'ry', 'rz'`` in space. A dof
-        that is not there, or fixed, is an InvalidInputError.
+        Directions are ``'u', 'v', 'theta'`` in the plane, ``'u', 'v', 'w', 'rx', 'ry', 'rz'`` in space, and
+        ``'x', 'y', 'z'`` translations. A dof that is not there, or fixed, is an InvalidInputError.
         """
-        return self._frame.dof(integer("node", node, low=0), frame_parts.text("direction", None, direction))
+        named = frame_parts.text("direction", None, direction)
+        named = {"x": "u", "y": "v", "z": "w"}.get(named.lower(), named)
+        return self._frame.dof(integer("node", node, low=0), named)
 
     def dof_name(self, dof: int) -> str:
         """``'node 3 v'`` for the dof that ``dof(3, 'v')`` returns."""

@@ -19,7 +19,7 @@ from .parameters import Parameter
 from .penalties import warn_penalties
 from .recipes import Independent, MatrixRecipe
 from .structural_model import End, ModelDescription, StructuralModel
-from .term_groups import Mesh, TermGroup, checked_groups, factors_of, powers_of
+from .term_groups import Mesh, TermGroup, applied_factors, checked_groups, factor_of, powers_of
 
 #: Decades between the K / M of dofs from which on one method alone loses roots; most dofs to ask both.
 _APART, _MOST_FOR_BOTH = 8.0, 200
@@ -160,13 +160,8 @@ class MatrixModel(StructuralModel, Viewed):
         >>> model.with_parameters(ar.stiffness_reduction("web"), 0.25).group_factors
         {'web': 0.75}
         """
-        sides: tuple[dict[int, float], dict[int, float]] = {}, {}
-        for applied in self.description.applied:
-            for one, value in zip(applied.parameters, applied.values.tolist(), strict=True):
-                factors = sides[one.quantity == "mass_factor"]
-                scale = 1.0 - value if one.quantity == "stiffness_reduction" else value
-                factors |= {term: scale * factors.get(term, 1.0) for term in one.terms}
-        return factors_of(self.groups, *sides)
+        sides = applied_factors(self.groups, self.description.applied)
+        return {name: factor_of(group, sides) for name, group in self.groups.items()}
 
     def element_label(self, element: int) -> str:
         """Name of its stiffness term, or ``element 3`` where it has none."""

@@ -17,6 +17,7 @@ import numpy as np
 from ..exceptions import Name, part, reject
 from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array, shape_of
 from ..support.messages import warn
+from ..support.values import Value
 
 # -- One updating parameter: what it may act on, within which bounds, and what the core takes of it
 
@@ -61,8 +62,9 @@ KINDS: dict[Quantity, Kind] = {
     "position": Kind("position", "m", "nodes", -np.inf, excluded=False, nominal=0.0),
 }
 
-#: (quantity, terms, relative, (pivot or 0, axis or zeros)) as the core takes it; None for what moves no node.
-CoreParameter = tuple[str, list[int], bool, tuple[int, Vector] | None]
+#: (quantity, terms, relative, more) as the core takes it; more is (pivot or 0, axis or zeros) of what moves
+#: nodes, and the nominal value of a group with (whether of the mass, power) for each term.
+CoreParameter = tuple[str, list[int], bool, tuple[int, Vector] | tuple[float, list[tuple[bool, int]]] | None]
 _MAKERS = "Make them by stiffness_factor, mass_factor and the like."
 
 
@@ -79,7 +81,8 @@ class Parameter:
         ``'length'`` (a factor), ``'position'`` (m).
     terms : tuple of int or str
         Zero-based: stiffness or mass terms of the model or sections (or their names), point masses or springs
-        to ground; the elements of an angle's or length's group; the nodes of a position.
+        to ground; the elements of an angle's or length's group; the nodes of a position. Of a MatrixModel
+        names of groups stand in place of sections.
     bounds : (float, float)
         Lower and upper bound of the value, in the unit above.
     relative : bool
@@ -133,6 +136,14 @@ class Parameter:
         if self.quantity == "stiffness_reduction":
             return value - 1.0
         return 0.0 if self.quantity in ("thickness", "diameter", *MOVES) else value
+
+
+@dataclass(frozen=True, eq=False)
+class AppliedParameters(Value):
+    """Parameters and their values (n,), as one updating leaves them."""
+
+    parameters: tuple[Parameter, ...]
+    values: FloatArray
 
 
 def parameter_tuple(parameters: Any) -> tuple[Parameter, ...]:
@@ -211,7 +222,8 @@ def parameter_name(model: Any, parameter: Parameter) -> str:
     if quantity in _ABOUT_A_NODE:
         about = f" {'about' if quantity == 'angle' else 'from'} node {parameter.pivot}"
     if quantity in OF_SECTIONS:
-        labels = [model.section_label(model.section_index(term)) for term in terms]
+        labels = [term if isinstance(term, str) else model.section_label(term) for term in terms]
+        unit = "" if hasattr(model, "groups") else unit  # a group is in the unit of its code
     elif quantity in ("mass_factor", "point_mass", "inertia"):
         # Point masses are the mass terms after those of the beams.
         first = 0 if quantity == "mass_factor" else len(model.default_elements)
@@ -251,8 +263,9 @@ Maker = TypeVar("Maker", bound=Callable[..., Any])
 _TERMS = "int or sequence of int\n        Zero-based {}."
 _NAMED = _TERMS.replace("int or", "int, str or").replace(".", ", or names of a MatrixModel.")
 _STIFFNESS_TERMS, _MASS_TERMS = _NAMED.format("stiffness terms"), _NAMED.format("mass terms")
-_SECTIONS = "int or str, or a sequence of them\n        Sections by index or name."
-_TUBES = "int or str, or a sequence of them\n        Sections by index or name, which must be tubes."
+_OR_GROUPS = "; of a MatrixModel its groups by name, in the unit of their code."
+_SECTIONS = f"int or str, or a sequence of them\n        Sections by index or name{_OR_GROUPS}"
+_TUBES = _SECTIONS.replace("name;", "name, which must be tubes;")
 _MASSES = _TERMS.format("positions in the model's ``point_masses``")
 _SPRINGS = _TERMS.format("positions in the model's ``ground_springs``")
 _FACTORS = "Positive, for example ``(0.9, 1.1)``."
@@ -363,6 +376,9 @@ def density(sections: Any, *, bounds: Bounds, relative: bool = False, together: 
 @_documented(_TUBES, "Positive; in m, or factors. At most half the outer diameter.")
 def thickness(sections: Any, *, bounds: Bounds, relative: bool = False, together: bool = False) -> Any:
     """Wall thickness of tubes, in m; area and second moments follow.
+
+    Or of shells of a code, or what else a number of its input means (a group of quantity ``"value"``): all
+    terms of the group move by their powers of the value.
 
     >>> ar.thickness(0, bounds=(0.0012, 0.002))
     Parameter(quantity='thickness', terms=(0,), bounds=(0.0012, 0.002))

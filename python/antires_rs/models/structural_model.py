@@ -30,20 +30,13 @@ from ..support.messages import some, warn
 from ..support.progress import interruptible, patient, step
 from ..support.values import AroundCore, Value
 from .matrices import Columns, as_sparse, check_room_for_all_modes
-from .parameters import MOVES, OF_SECTIONS, CoreParameter, Parameter, parameter_tuple
+from .parameters import MOVES, OF_SECTIONS, AppliedParameters, CoreParameter, Parameter, parameter_tuple
 from .recipes import ChainRecipe, FrameRecipe, MatrixRecipe
+from .term_groups import in_groups
 
 # -- One description of a model, by which it is built, copied, pickled and saved, to the same bits
 
 Recipe = ChainRecipe | MatrixRecipe | FrameRecipe
-
-
-@dataclass(frozen=True, eq=False)
-class AppliedParameters(Value):
-    """Parameters and their values (n,), as one updating leaves them."""
-
-    parameters: tuple[Parameter, ...]
-    values: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,14 +49,18 @@ class ModelDescription(Value):
     def core_parameters(self, parameters: Iterable[Parameter]) -> list[CoreParameter]:
         """Parameters as the core takes them, the names of sections resolved, none listed twice."""
         parts: list[CoreParameter] = []
+        acting: list[Any] = []
         for p in parameters:
-            moves = (p.pivot or 0, p.axis) if p.quantity in MOVES else None
+            if p.quantity in OF_SECTIONS and isinstance(self.recipe, MatrixRecipe):
+                parts.append(in_groups(self.recipe.groups, p, self.applied))
+                acting += [("value", name) for name in p.terms]
+                continue
+            about = (p.pivot or 0, p.axis) if p.quantity in MOVES else None
             named = p.quantity in OF_SECTIONS
             indices = [self.recipe.section_index(term) if named else term for term in p.terms]
-            parts.append((p.quantity, indices, p.relative, moves))
-        acting: list[Any] = []
-        for quantity, terms, _, moves in parts:  # several angles, lengths and positions may move one node
-            acting += [(quantity, moves, tuple(terms))] if moves else [(quantity, term) for term in terms]
+            parts.append((p.quantity, indices, p.relative, about))
+            # Several angles, lengths and positions may move one node.
+            acting += [(p.quantity, about, tuple(indices))] if about else [(p.quantity, i) for i in indices]
         twice = {pair for pair in acting if acting.count(pair) > 1}
         if twice:
             got = f"{sorted(twice)} more than once"
@@ -73,8 +70,9 @@ class ModelDescription(Value):
     def core(self, made: CoreModel | None = None) -> CoreModel:
         """The core's model, from nothing but this description, or from what its recipe ``made``."""
         core = self.recipe.core() if made is None else made
-        for applied in self.applied:
-            core = core.at(self.core_parameters(applied.parameters), applied.values)
+        for nth, applied in enumerate(self.applied):
+            before = replace(self, applied=self.applied[:nth])
+            core = core.at(before.core_parameters(applied.parameters), applied.values)
         return core
 
 

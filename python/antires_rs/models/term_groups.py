@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -12,6 +14,7 @@ from numpy.typing import NDArray
 from ..exceptions import InvalidInputError, reject
 from ..support.checks import FloatArray, IntArray, choice, finite_scalar, integer, real_array, shape_of
 from ..support.values import Value
+from .parameters import OF_SECTIONS, AppliedParameters, CoreParameter, Parameter
 
 #: Number of a term and the power of the group's value that it goes with, each.
 Powers = tuple[tuple[int, int], ...]
@@ -233,20 +236,62 @@ def powers_of(groups: Mapping[str, TermGroup], factors: Any) -> tuple[dict[int, 
     return stiffness, mass
 
 
-def factors_of(
-    groups: Mapping[str, TermGroup], stiffness: Mapping[int, float], mass: Mapping[int, float]
-) -> dict[str, float]:
-    """Factors on the values of groups, of those on their terms: the way back of :func:`powers_of`."""
-    found = {}
-    for name, group in groups.items():
-        sides = (stiffness, group.stiffness_powers), (mass, group.mass_powers)
-        acting: list[tuple[float, int]] = [
-            (factors.get(term, 1.0), power) for factors, powers in sides for term, power in powers
-        ]
-        roots = [factor ** (1.0 / power) if factor > 0.0 else 0.0 for factor, power in acting] or [1.0]
-        if not min(roots) > 0.0 or max(roots) > (1.0 + 1e-9) * min(roots):
-            got = f"terms of {name!r} times {', '.join(f'{factor:g}' for factor, _ in acting)}"
-            wanted = "factors that one value, above 0, gives to stiffness and mass"
-            reject("model", got, wanted, "Scale it by with_group_factors, or stiffness and mass alike.")
-        found[name] = roots[0]
-    return found
+Sides = tuple[dict[int, float], dict[int, float]]  # factors on stiffness and on mass terms
+
+
+def applied_factors(groups: Mapping[str, TermGroup], applied: Iterable[AppliedParameters]) -> Sides:
+    """What parameters have made of the terms, one after the other."""
+    sides: Sides = {}, {}
+    pairs = [zip(each.parameters, each.values.tolist(), strict=True) for each in applied]
+    for one, value in chain.from_iterable(pairs):
+        new: Sides = {}, {}
+        if one.quantity in OF_SECTIONS:
+            nominal = 1.0 if one.relative else value_now(groups[one.terms[0]], sides)
+            new = powers_of(groups, dict.fromkeys(one.terms, value / nominal))
+        else:
+            scale = 1.0 - value if one.quantity == "stiffness_reduction" else value
+            new[one.quantity == "mass_factor"].update(dict.fromkeys(one.terms, scale))
+        for factors, scales in zip(sides, new, strict=True):
+            factors |= {term: scale * factors.get(term, 1.0) for term, scale in scales.items()}
+    return sides
+
+
+def factor_of(group: TermGroup, sides: Sides) -> float:
+    """Factor on the value of a group, of those on its terms: the way back of :func:`powers_of`."""
+    both = zip(sides, (group.stiffness_powers, group.mass_powers), strict=True)
+    acting = [(factors.get(term, 1.0), power) for factors, powers in both for term, power in powers]
+    roots = [factor ** (1.0 / power) if factor > 0.0 else 0.0 for factor, power in acting] or [1.0]
+    if not min(roots) > 0.0 or max(roots) > (1.0 + 1e-9) * min(roots):
+        got = f"terms of {group.name!r} times {', '.join(f'{factor:g}' for factor, _ in acting)}"
+        wanted = "factors that one value, above 0, gives to stiffness and mass"
+        reject("model", got, wanted, "Scale it by with_group_factors, or stiffness and mass alike.")
+    return roots[0]
+
+
+def value_now(group: TermGroup, sides: Sides) -> float:
+    """Of a group after what was applied; NaN where it had several."""
+    return math.nan if group.value is None else group.value * factor_of(group, sides)
+
+
+def in_groups(
+    groups: Iterable[TermGroup], parameter: Parameter, applied: Iterable[AppliedParameters]
+) -> CoreParameter:
+    """A parameter of the value of groups as the core takes it, where some were applied before."""
+    named = {group.name: group for group in groups}
+    fit = [name for name, group in named.items() if group.quantity in (parameter.quantity, "value")]
+    if unknown := [name for name in parameter.terms if name not in fit]:
+        got = f"{parameter.quantity} of {unknown[0]!r}"
+        wanted = f"one of {', '.join(map(repr, fit))}" if fit else "a model with groups of it"
+        reject("parameters", got, wanted, "Groups are made by read_model, 'NAME:thickness' and the like.")
+    own, nominal = [named[name] for name in parameter.terms], 1.0
+    if not parameter.relative:
+        sides = applied_factors(named, applied)
+        values = [value_now(group, sides) for group in own]
+        nominal = values[0]
+        if not all(value > 0.0 and abs(value / nominal - 1.0) <= 1e-9 for value in values):
+            each = (f"{value:g} of {group.name!r}" for value, group in zip(values, own, strict=True))
+            remedy = "Take factors on it: relative=True."
+            reject("parameters", f"{parameter.quantity} {', '.join(each)}", "one value, above 0", remedy)
+    both = (((False, group.stiffness_powers), (True, group.mass_powers)) for group in own)
+    acting = [(term, (mass, power)) for pair in both for mass, powers in pair for term, power in powers]
+    return "group_value", [term for term, _ in acting], False, (nominal, [of for _, of in acting])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -14,7 +14,7 @@ from .. import _core
 from .._core import Model as CoreModel
 from ..exceptions import NumericalError, reject
 from ..models.matrices import Entries, as_sparse
-from ..models.parameters import Parameter
+from ..models.parameters import CoreParameter
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import IslandGA, OptimizeResult
 from ..support.checks import FloatArray, IntArray, finite_scalar, integer
@@ -22,24 +22,28 @@ from ..support.progress import one_blas_thread
 from .problem import UpdatingProblem
 from .targets import AntiresonanceTargets, Part, by_rows
 
-# -- K(x) = K + sum (s_j(x_j) - 1) K_j with s_j the factor of a parameter, and so M: true of factors and
-# reductions that do not share a term; sections, angles and positions bend it.
+# -- K(x) = K + sum (s_j(x) - 1) K_j with s_j the factor of one parameter, and so M: true of factors,
+# reductions and values of groups that do not share a term; sections, angles and positions bend it.
 
-#: Quantities in which K and M are linear, and the matrix that each scales.
-_SCALES = {"stiffness_factor": "K", "stiffness_reduction": "K", "mass_factor": "M"}
+_SCALES = ("stiffness_factor", "stiffness_reduction", "mass_factor", "group_value")
 
 
-def bent_by(parameters: Iterable[Parameter]) -> str | None:
-    """Why K and M are no sums in these parameters; None where they are."""
-    taken: set[tuple[str, int]] = set()
-    for parameter in parameters:
-        scaled = _SCALES.get(parameter.quantity)
-        if scaled is None:
-            return f"{parameter.quantity!r} does not scale whole terms"
-        for term in parameter.terms:
-            if (scaled, term) in taken:
+def _scaled(part: CoreParameter) -> list[tuple[bool, int]]:
+    """Whether each term of a parameter is one of the mass, and the power of its factor."""
+    quantity, terms, _, more = part
+    return more[1] if more and isinstance(more[1], list) else [(quantity == "mass_factor", 1)] * len(terms)
+
+
+def bent_by(problem: UpdatingProblem) -> str | None:
+    """Why K and M are no sums in the parameters of a problem; None where they are."""
+    taken: set[tuple[bool, int]] = set()
+    for part in problem.model.description.core_parameters(problem.parameters):
+        if part[0] not in _SCALES:
+            return f"{part[0]!r} does not scale whole terms"
+        for term, (mass, _) in zip(part[1], _scaled(part), strict=True):
+            if (mass, term) in taken:
                 return f"two parameters scale term {term}"
-            taken.add((scaled, term))
+            taken.add((mass, term))
     return None
 
 
@@ -102,18 +106,31 @@ class Large:
         return self.core.at(self._parameters, np.ascontiguousarray(x))
 
 
+class Moving(NamedTuple):
+    """What a parameter moves of one matrix by one power: which, whether of the mass, the power, its slope."""
+
+    parameter: int
+    mass: bool
+    power: int
+    slope: float
+    term: Term
+
+
 class Affine(Large):
-    """The sums of a problem, its parameters as :func:`bent_by` allows: each has a term of K or of M."""
+    """The sums of a problem, its parameters as :func:`bent_by` allows."""
 
     def __init__(self, problem: UpdatingProblem) -> None:
         assert isinstance(problem._targets, AntiresonanceTargets)
         super().__init__(problem.model, problem._targets.parts, problem.parameters)
         self.problem = problem
         self.stiffness, self.mass = matrices(self.core)
-        self.of_stiffness = [_SCALES[p.quantity] == "K" for p in problem.parameters]
-        every = {True: self.core.stiffness_terms(), False: self.core.mass_terms()}
-        own = zip(problem.parameters, self.of_stiffness, strict=True)
-        self.terms = [Term.of(*(every[of_k][term] for term in p.terms)) for p, of_k in own]
+        every, self.moving = (self.core.stiffness_terms(), self.core.mass_terms()), list[Moving]()
+        for nth, part in enumerate(self._parameters):
+            alike: dict[tuple[bool, int], list[Any]] = {}
+            for term, (mass, power) in zip(part[1], _scaled(part), strict=True):
+                alike.setdefault((mass, power), []).append(every[mass][term])
+            rate = 1.0 / part[3][0] if part[3] else 1.0
+            self.moving += [Moving(nth, *how, rate * how[1], Term.of(*own)) for how, own in alike.items()]
 
 
 # -- A basis that carries a model and its parameters' effect near one point, for antiresonances up to a limit
@@ -222,10 +239,10 @@ def _moved(
 ) -> _Moved:
     """By all parameters, over half of their ranges: l = (dK + sigma dM) v."""
     found = []
-    for nth in np.flatnonzero(half_widths > 0.0).tolist():
-        change = half_widths[nth] * (1.0 if affine.of_stiffness[nth] else basis.sigma)
-        places = affine.terms[nth].dofs
-        held = change * affine.terms[nth].times(of)
+    for each in (one for one in affine.moving if half_widths[one.parameter] > 0.0):
+        change = half_widths[each.parameter] * each.slope * (basis.sigma if each.mass else 1.0)
+        places = each.term.dofs
+        held = change * each.term.times(of)
         loads = np.zeros(of.shape)
         loads[places] = held
         moved = _Moved(solved(basis.factors, loads), loads, core[places].T @ held)
@@ -306,13 +323,17 @@ class ReducedProblem:
     def __init__(self, affine: Affine, basis: Basis) -> None:
         self._affine, self._basis = affine, basis
         self.size, self._parts = basis.vectors.shape[1], affine.reduced_parts
-        vectors, terms = basis.vectors, [term.on(basis.vectors) for term in affine.terms]
-        sides = [[t for t, k in zip(terms, affine.of_stiffness, strict=True) if k == side] for side in (1, 0)]
+        vectors, sides = basis.vectors, (list[FloatArray](), list[FloatArray]())
+        own: list[list[tuple[int, tuple[bool, int]]]] = [[] for _ in affine.problem.parameters]
+        for each in affine.moving:
+            own[each.parameter].append((len(sides[each.mass]), (each.mass, each.power)))
+            sides[each.mass].append(each.term.on(vectors))
         both = vectors.T @ (affine.stiffness @ vectors), vectors.T @ (affine.mass @ vectors)
         self._model = projected(coordinates(vectors[affine.rows]), *both, *sides)
-        own = [affine.of_stiffness[:nth].count(k) for nth, k in enumerate(affine.of_stiffness)]
-        parameters = zip(affine.problem.parameters, own, strict=True)
-        self._parameters = [(parameter.quantity, [term], False, None) for parameter, term in parameters]
+        self._parameters = [
+            (part[0], [nth for nth, _ in terms], False, part[3] and (part[3][0], [how for _, how in terms]))
+            for part, terms in zip(affine._parameters, own, strict=True)
+        ]
         self.ratio = np.ones(affine.problem.measured_hz.size)
         self.is_corrected = False
         self._plain = self.core = self._objective()
@@ -469,7 +490,7 @@ def wanted_reduction(problem: UpdatingProblem, given: Any, checkpoint: Any) -> R
     if not isinstance(problem._targets, AntiresonanceTargets):
         unfit: str | None = "modes were measured"
     else:
-        unfit = bent_by(problem.parameters) if checkpoint is None else "a checkpoint is asked for"
+        unfit = bent_by(problem) if checkpoint is None else "a checkpoint is asked for"
     if isinstance(given, str) and given == "auto":
         large = problem.model.n_dof > LARGE and len(problem.parameters) <= _MOST_PARAMETERS
         return Reduction() if large and unfit is None else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import lru_cache, partial
 from itertools import islice
 from typing import Any, TypeAlias
 
@@ -198,6 +198,16 @@ _MODES = 6.0  # modes up to this multiple of the band make the series
 Series = Callable[[], tuple[FloatArray, FloatArray]]  # complex zeros, as below
 
 
+@lru_cache(2)  # all responses and sets of a test ask for the same ones; of large models they take seconds
+def _modes_of_series(model: StructuralModel, f_max_hz: float) -> ModalSet:
+    first = model.modes(n_modes=1).freq_hz
+    if first.size and first[0] > _MODES * f_max_hz:
+        got = f"one whose first resonance is {first[0]:.3g} Hz"
+        wanted = f"resonances near the values, up to {f_max_hz:.4g} Hz"
+        reject("model", got, wanted, "Check its units: m, kg, N, Pa.")
+    return model.modes(f_max_hz=_MODES * f_max_hz)
+
+
 def complex_zeros(
     model: StructuralModel,
     response: End,
@@ -208,12 +218,7 @@ def complex_zeros(
     """Complex zeros f (1 + j d) of an undamped response up to a frequency: f (Hz), and d within ``parts``."""
     from scipy.linalg import eigvals
 
-    first = model.modes(n_modes=1).freq_hz
-    if first.size and first[0] > _MODES * f_max_hz:
-        got = f"one whose first resonance is {first[0]:.3g} Hz"
-        wanted = f"resonances near the values, up to {f_max_hz:.4g} Hz"
-        reject("model", got, wanted, "Check its units: m, kg, N, Pa.")
-    modes = model.modes(f_max_hz=_MODES * f_max_hz)
+    modes = _modes_of_series(model, f_max_hz)
     n, rows, columns = modes.freq_hz.size, members(response), members(excitation)
     # Eigenvalues x of the pencil [[L - x, phi_k], [phi_i', 0]], L being the diagonal of the eigenvalues, in
     # units of the band, so that the lowest are not lost in rounding.

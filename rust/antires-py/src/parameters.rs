@@ -1,8 +1,8 @@
 //! Parameters as Python gives them.
 
 use antires_core::error::{Argument, Error, Result};
-use antires_core::fem::checks::check_bounds as check_core_bounds;
-use antires_core::fem::frame::{Angle, Frame as CoreFrame, Property, Scale};
+use antires_core::fem::checks::{check_bounds as check_core_bounds, needs_frame};
+use antires_core::fem::frame::{Angle, Property, Scale};
 use antires_core::fem::model::Model as CoreModel;
 use antires_core::fem::parameters::{Parameter, Quantity};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
@@ -11,9 +11,17 @@ use pyo3::prelude::*;
 use crate::doorway::{run, to_python};
 use crate::model::Model;
 
-/// (quantity, terms, relative, node and vector of what moves nodes). That is pivot and axis of an angle; the
-/// pivot of a length, and no vector; no node (0), and the direction of a position.
-pub type ParameterParts = (String, Vec<usize>, bool, Option<(usize, [f64; 3])>);
+/// Quantity, terms, relative, and what more it has.
+pub type ParameterParts = (String, Vec<usize>, bool, Option<More>);
+
+/// What moves nodes or has powers.
+#[derive(FromPyObject)]
+pub enum More {
+    /// Pivot and axis of an angle; pivot of a length, and no vector; no node (0), and direction of a position.
+    Moves(usize, [f64; 3]),
+    /// Nominal value of a group; whether each term is of the mass, and its power.
+    Powers(f64, Vec<(bool, i32)>),
+}
 
 /// Core parameters, checked against the model.
 pub fn core_parameters(model: &CoreModel, parts: Vec<ParameterParts>) -> Result<Vec<Parameter>> {
@@ -30,12 +38,15 @@ pub fn core_parameters(model: &CoreModel, parts: Vec<ParameterParts>) -> Result<
 }
 
 fn parameter(name: &Argument, model: &CoreModel, parts: ParameterParts) -> Result<Parameter> {
-    let (quantity, terms, relative, moves) = parts;
+    let (quantity, terms, relative, more) = parts;
     let scale = if relative { Scale::Factor } else { Scale::Value };
-    let quantity = match (quantity.as_str(), moves) {
+    let quantity = match (quantity.as_str(), more) {
         ("stiffness_reduction", None) => Quantity::StiffnessReduction,
         ("stiffness_factor", None) => Quantity::StiffnessFactor,
         ("mass_factor", None) => Quantity::MassFactor,
+        ("group_value", Some(More::Powers(nominal, of))) if of.len() == terms.len() => {
+            Quantity::GroupValue(nominal, of)
+        }
         ("youngs_modulus", None) => Quantity::Property(Property::YoungsModulus, scale),
         ("density", None) => Quantity::Property(Property::Density, scale),
         ("thickness", None) => Quantity::Property(Property::Thickness, scale),
@@ -43,20 +54,20 @@ fn parameter(name: &Argument, model: &CoreModel, parts: ParameterParts) -> Resul
         ("point_mass", None) => Quantity::Property(Property::Mass, scale),
         ("inertia", None) => Quantity::Property(Property::Inertia, scale),
         ("support_stiffness", None) => Quantity::Property(Property::SupportStiffness, scale),
-        ("angle", Some((pivot, axis))) => {
+        ("angle", Some(More::Moves(pivot, axis))) => {
             return Ok(Parameter {
                 quantity: Quantity::Angle(Angle { pivot, axis }),
-                terms: frame_of(name, model)?.downstream(&terms, pivot)?,
+                terms: needs_frame(name, model)?.downstream(&terms, pivot)?,
             });
         }
-        ("length", Some((pivot, _))) => {
-            let way = frame_of(name, model)?.reach(&terms, pivot)?;
+        ("length", Some(More::Moves(pivot, _))) => {
+            let way = needs_frame(name, model)?.reach(&terms, pivot)?;
             return Ok(Parameter {
                 terms: way.iter().map(|step| step.node).collect(),
                 quantity: Quantity::Length(way),
             });
         }
-        ("position", Some((_, direction))) => Quantity::Position(direction),
+        ("position", Some(More::Moves(_, direction))) => Quantity::Position(direction),
         (quantity, _) => {
             let got = format!("'{quantity}'");
             return Err(Error::input("quantity", got, "a known parameter quantity")
@@ -64,14 +75,6 @@ fn parameter(name: &Argument, model: &CoreModel, parts: ParameterParts) -> Resul
         }
     };
     Ok(Parameter { quantity, terms })
-}
-
-fn frame_of<'a>(name: &Argument, model: &'a CoreModel) -> Result<&'a CoreFrame> {
-    model.frame().ok_or_else(|| {
-        let got = "an angle or a length for a model that is no frame";
-        Error::input(name, got, "a FrameModel")
-            .remedy("Only the elements of a FrameModel have angles and lengths.")
-    })
 }
 
 /// Nominal value of each parameter (n,), NaN where one value stands for different ones.

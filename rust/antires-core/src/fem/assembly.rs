@@ -15,10 +15,9 @@
 //! K(p) = K + Σ_t (s_t(p) K_t(p) − K_t)      dK/dp_j = Σ_t (ds_t/dp_j K_t + s_t dK_t/dp_j)
 //! ```
 //!
-//! s_t is the product of the factors of all parameters on term t, so ds_t/dp_j is the slope of the
-//! factor of p_j (−1 for a stiffness reduction, 1 for a factor) times the factors of the others. The terms
-//! of a frame also depend on sections, masses and coordinates: those are smooth functions in closed form,
-//! and a central difference of the few terms concerned has ten digits.
+//! ds_t/dp_j is the slope of the factor of p_j times the factors of the others. The terms of a frame also depend
+//! on sections, masses and coordinates: those are smooth functions in closed form, and a central difference of
+//! the few terms concerned has ten digits.
 
 use std::sync::Arc;
 
@@ -60,14 +59,12 @@ impl Assembly {
         self.stiffness_factors.fill(1.0);
         self.mass_factors.fill(1.0);
         for (parameter, &value) in parameters.iter().zip(x) {
-            let (factors, factor) = match &parameter.quantity {
-                Quantity::StiffnessReduction => (&mut self.stiffness_factors, 1.0 - value),
-                Quantity::StiffnessFactor => (&mut self.stiffness_factors, value),
-                Quantity::MassFactor => (&mut self.mass_factors, value),
-                _ => continue,
-            };
-            for &term in &parameter.terms {
-                factors[term] *= factor;
+            for (nth, &term) in parameter.terms.iter().enumerate() {
+                match parameter.quantity.factor(nth, value) {
+                    Some((Side::Stiffness, factor, _)) => self.stiffness_factors[term] *= factor,
+                    Some((Side::Mass, factor, _)) => self.mass_factors[term] *= factor,
+                    None => {}
+                }
             }
         }
         let [stiffness_places, mass_places] = &*self.places;
@@ -164,26 +161,24 @@ impl<'a> Slopes<'a> {
     /// The slopes along parameter `index`.
     pub fn along(&self, index: usize) -> MatrixSlopes {
         let mut slopes = MatrixSlopes::default();
-        match (factor(&self.parameters[index].quantity, self.x[index]), self.model.frame()) {
-            (Some((Side::Stiffness, _, own)), _) => {
-                self.scaled(index, Side::Stiffness, own, &mut slopes.stiffness);
+        match self.model.frame() {
+            Some(frame) if self.parameters[index].quantity.forms_anew() => {
+                self.formed_anew(frame, index, &mut slopes);
             }
-            (Some((Side::Mass, _, own)), _) => {
-                self.scaled(index, Side::Mass, own, &mut slopes.mass);
-            }
-            (None, Some(frame)) => self.formed_anew(frame, index, &mut slopes),
-            (None, None) => {}
+            _ => self.scaled(index, &mut slopes),
         }
         slopes
     }
 
     /// Slope of the factors on the terms of a parameter.
-    fn scaled(&self, index: usize, side: Side, own: f64, entries: &mut Entries) {
-        let listed = match side {
-            Side::Stiffness => self.model.stiffness_terms(),
-            Side::Mass => self.model.mass_terms(),
-        };
-        for &t in &self.parameters[index].terms {
+    fn scaled(&self, index: usize, slopes: &mut MatrixSlopes) {
+        let parameter = &self.parameters[index];
+        for (nth, &t) in parameter.terms.iter().enumerate() {
+            let Some((side, _, own)) = parameter.quantity.factor(nth, self.x[index]) else { return };
+            let (listed, entries) = match side {
+                Side::Stiffness => (self.model.stiffness_terms(), &mut slopes.stiffness),
+                Side::Mass => (self.model.mass_terms(), &mut slopes.mass),
+            };
             let slope = own * self.factor_on(t, side, Some(index));
             let mut push = |term: &Term| {
                 entries.extend(term.entries().iter().map(|&(r, c, v)| (r, c, slope * v)));
@@ -225,26 +220,12 @@ impl<'a> Slopes<'a> {
     /// The product of the factors that parameters other than `without` put on term `t`.
     fn factor_on(&self, t: usize, side: Side, without: Option<usize>) -> f64 {
         let mut product = 1.0;
-        for (i, (parameter, &value)) in self.parameters.iter().zip(self.x).enumerate() {
-            if let Some((s, factor, _)) = factor(&parameter.quantity, value)
-                && s == side
-                && without != Some(i)
-            {
-                let times = parameter.terms.iter().filter(|&&other| other == t).count();
-                product *= factor.powi(times as i32);
-            }
+        let others = self.parameters.iter().zip(self.x).enumerate().filter(|(i, _)| without != Some(*i));
+        for (_, (parameter, &value)) in others {
+            let on = parameter.terms.iter().enumerate().filter(|&(_, &other)| other == t);
+            let factors = on.filter_map(|(nth, _)| parameter.quantity.factor(nth, value));
+            product *= factors.filter(|each| each.0 == side).map(|each| each.1).product::<f64>();
         }
         product
-    }
-}
-
-/// Which matrix a parameter scales, its factor there and the slope of that factor; none where the terms
-/// themselves change.
-fn factor(quantity: &Quantity, value: f64) -> Option<(Side, f64, f64)> {
-    match quantity {
-        Quantity::StiffnessReduction => Some((Side::Stiffness, 1.0 - value, -1.0)),
-        Quantity::StiffnessFactor => Some((Side::Stiffness, value, 1.0)),
-        Quantity::MassFactor => Some((Side::Mass, value, 1.0)),
-        _ => None,
     }
 }

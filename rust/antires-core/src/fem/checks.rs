@@ -27,6 +27,7 @@ impl Parameter {
             Quantity::StiffnessReduction | Quantity::StiffnessFactor => {
                 (model.stiffness_terms(), "stiffness")
             }
+            Quantity::GroupValue(..) => return Ok(()), // Python makes it of groups, whose terms are there.
             Quantity::Property(property, scale) => {
                 return needs_frame(name, model)?.check_property(name, *property, *scale, &self.terms);
             }
@@ -83,12 +84,14 @@ impl Parameter {
             | Quantity::MassFactor
             | Quantity::Length(_)
             | Quantity::Property(_, Scale::Factor) => Some(1.0),
+            Quantity::GroupValue(nominal, _) => Some(nominal),
             Quantity::Property(property, Scale::Value) => model.frame()?.nominal(property, &self.terms),
         }
     }
 }
 
-fn needs_frame<'a>(name: &Argument, model: &'a Model) -> Result<&'a Frame> {
+/// The frame of a model, which parameter `name` needs.
+pub fn needs_frame<'a>(name: &Argument, model: &'a Model) -> Result<&'a Frame> {
     model.frame().ok_or_else(|| {
         Error::input(
             name,
@@ -104,9 +107,8 @@ fn needs_frame<'a>(name: &Argument, model: &'a Model) -> Result<&'a Frame> {
 /// Checks `lower` and `upper` of `parameters`.
 ///
 /// # Errors
-/// [`Error::InvalidInput`] when the wall of a tube can become thicker than its radius, when a
-/// node can come onto its neighbour, or when K or M
-/// becomes indefinite inside the bounds.
+/// [`Error::InvalidInput`] when the wall of a tube can become thicker than its radius, when a node can come onto
+/// its neighbour, or when K or M becomes indefinite inside the bounds.
 pub fn check_bounds(model: &Model, parameters: &[Parameter], lower: &[f64], upper: &[f64]) -> Result<()> {
     let corner = |pick: &dyn Fn(&Parameter, f64, f64) -> f64| -> Vec<f64> {
         parameters

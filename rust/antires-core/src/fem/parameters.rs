@@ -4,10 +4,13 @@
 //! stiffness reduction   s = 1 − β      0 <= β <= 1   (damage)
 //! stiffness factor      s = p          p > 0
 //! mass factor           s = p          p > 0
+//! value of a group      s = (p / p0)^k p > 0      k for each of its terms, of stiffness and mass
 //! ```
 //!
 //! Several parameters on one term multiply. A [`Property`], an angle, position or length of a frame acts on
 //! what the terms are formed from, see [`frame`](super::frame); all kinds mix.
+
+use super::term::Side;
 
 /// What a parameter value means.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +21,8 @@ pub enum Quantity {
     StiffnessFactor,
     /// Factor on the mass of the terms.
     MassFactor,
+    /// Value of groups, from the nominal one: whether each term is of the mass, and its power.
+    GroupValue(f64, Vec<(bool, i32)>),
     /// A property of sections, lumped masses or supports of a frame.
     Property(Property, Scale),
     /// Angle (degrees) of what lies downstream of a node of a frame.
@@ -32,6 +37,21 @@ impl Quantity {
     /// Whether terms of a frame are formed anew, where others scale the terms that there are.
     pub fn forms_anew(&self) -> bool {
         matches!(self, Self::Property(..) | Self::Angle(_) | Self::Position(_) | Self::Length(_))
+    }
+
+    /// Matrix of the `nth` term, its factor at a value and the slope of that; none where terms themselves change.
+    pub(super) fn factor(&self, nth: usize, value: f64) -> Option<(Side, f64, f64)> {
+        match self {
+            Self::StiffnessReduction => Some((Side::Stiffness, 1.0 - value, -1.0)),
+            Self::StiffnessFactor => Some((Side::Stiffness, value, 1.0)),
+            Self::MassFactor => Some((Side::Mass, value, 1.0)),
+            Self::GroupValue(nominal, terms) => {
+                let ((mass, power), s) = (terms[nth], value / nominal);
+                let side = if mass { Side::Mass } else { Side::Stiffness };
+                Some((side, s.powi(power), f64::from(power) * s.powi(power - 1) / nominal))
+            }
+            _ => None,
+        }
     }
 }
 

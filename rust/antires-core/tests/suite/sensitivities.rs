@@ -28,10 +28,11 @@ fn parameters() -> Vec<Parameter> {
         of(Quantity::MassFactor, &[3]),
         of(Quantity::MassFactor, &[0, 4]),
         of(Quantity::StiffnessFactor, &[5]),
+        of(Quantity::GroupValue(0.8, vec![(false, 3), (false, -1), (true, 1)]), &[2, 4, 3]),
     ]
 }
 
-const AT: [f64; 5] = [0.3, 1.1, 0.9, 1.05, 1.2];
+const AT: [f64; 6] = [0.3, 1.1, 0.9, 1.05, 1.2, 0.95];
 
 fn solver(model: &Model) -> AntiresonanceSolver {
     AntiresonanceSolver::new(&Arc::new(Structure::of(model)))
@@ -118,7 +119,7 @@ fn a_linearization_has_the_objectives_cost_and_its_slope() {
         assert_eq!(cost, objective.cost(&AT, ws));
         let price = objective.composition().unwrap().price;
         for (index, price) in price.iter().enumerate() {
-            let columns = residuals.iter().zip(jacobian.chunks_exact(5));
+            let columns = residuals.iter().zip(jacobian.chunks_exact(AT.len()));
             let slope: f64 = columns
                 .map(|(e, row)| match misfit {
                     Misfit::Squared => 2.0 * e * row[index],

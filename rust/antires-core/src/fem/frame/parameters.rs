@@ -81,21 +81,14 @@ impl Frame {
         let mut frame = self.clone();
         frame.apply(parameters, x);
         for (parameter, &value) in parameters.iter().zip(x) {
-            for &term in &parameter.terms {
-                match &parameter.quantity {
-                    Quantity::StiffnessReduction => frame.scale(Side::Stiffness, term, 1.0 - value),
-                    Quantity::StiffnessFactor => frame.scale(Side::Stiffness, term, value),
-                    Quantity::MassFactor => frame.scale(Side::Mass, term, value),
-                    _ => {}
+            for (nth, &term) in parameter.terms.iter().enumerate() {
+                if let Some((side, factor, _)) = parameter.quantity.factor(nth, value) {
+                    frame.description.scale(frame.terms[side as usize][term], side, factor);
                 }
             }
         }
         frame.description.check()?;
         Ok(frame)
-    }
-
-    fn scale(&mut self, side: Side, term: usize, factor: f64) {
-        self.description.scale(self.terms[side as usize][term], side, factor);
     }
 
     /// Checks that a property parameter called `name` governs something of this frame.
