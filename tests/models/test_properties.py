@@ -58,20 +58,6 @@ factors = st.lists(st.one_of(st.just(0.9), st.just(1.1), st.floats(0.9, 1.1)), m
 
 
 @FEW
-@given(severities, factors)
-def test_objectives_are_finite_and_not_negative_everywhere(x, y):
-    assert 0.0 <= DAMAGE.cost(x) < np.inf
-    assert 0.0 <= UPDATING.cost(y) < np.inf
-
-
-def test_the_objective_is_finite_where_an_element_is_lost_altogether():
-    losses = ar.stiffness_reduction(range(7), bounds=(0.0, 1.0))
-    problem = ar.UpdatingProblem(CASE.model, losses, CASE.exact(), penalty=(0.1, 0.1))
-    for corner in np.vstack([np.eye(7), np.ones((1, 7)), np.zeros((1, 7))]):
-        assert np.isfinite(problem.cost(corner))
-
-
-@FEW
 @given(factors, st.randoms(use_true_random=False))
 def test_pairing_does_not_depend_on_the_order_of_the_measured_values(x, random):
     exact = dict(UPDATING.measured[0])
@@ -86,12 +72,3 @@ def test_pairing_does_not_depend_on_the_order_of_the_measured_values(x, random):
         return dict(zip(keys, problem.paired_hz(x), strict=True))
 
     assert pairs(other) == pairs(UPDATING)
-
-
-@FEW
-@given(severities)
-def test_the_truth_costs_nothing_but_its_penalty(beta):
-    x = np.where(np.array(beta) < 1e-3, 0.0, beta)  # as they are snapped
-    zeros = DAMAGE.model_at(x).antiresonances(range(8), 0)
-    problem = CASE.damage_problem(ar.AntiresonanceSet(0, dict(enumerate(zeros))))
-    assert problem.cost(x) == pytest.approx(0.1 * x.sum() + 0.1 * np.count_nonzero(x), abs=LAW)

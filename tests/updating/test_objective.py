@@ -178,55 +178,6 @@ def test_penalties_count_reductions_only_and_negligible_severities_are_zero():
 
 
 # ---- pairing -----------------------------------------------------------------------------------------
-def test_zeros_are_paired_with_the_nearest_in_hz_and_ties_with_the_lower():
-    """A tie needs two zeros whose middle has the same distance to both in floating point too."""
-    dof, low, high = next(
-        (dof, a, b)
-        for dof, freq in enumerate(CASE.model.antiresonances(range(8), 0))
-        for a, b in zip(freq[:-1], freq[1:], strict=True)
-        if 0.5 * (a + b) - a == b - 0.5 * (a + b)
-    )
-    middle = 0.5 * (low + high)
-    for value, partner in ((middle, low), (middle * (1 + 1e-9), high), (middle * (1 - 1e-9), low)):
-        problem = CASE.updating_problem(zeros({dof: [value]}))
-        assert problem.paired_hz(problem.nominal)[0] == partner
-
-
-def gone_hz(factor):
-    return np.sqrt(400.0 * (1.0 + factor)) / (2 * np.pi)
-
-
-@pytest.mark.parametrize("others", [[], [1.0]])
-def test_nothing_jumps_where_an_antiresonance_leaves_the_band(others):
-    chain = ar.MassSpringChain([1.0, 1.0], [400.0], ground_last_n_per_m=400.0)
-    measured, factors = [*others, gone_hz(1.0)], np.linspace(1.0, 4.0, 6001)
-    problem = ar.UpdatingProblem(chain, ar.stiffness_factor([0], bounds=(0.5, 10.0)), zeros({0: measured}))
-    costs = problem.evaluate_many(factors[:, None])
-    residuals = np.array([problem.residuals(row) for row in factors[:, None]])
-    ratio = gone_hz(factors) / measured[-1]
-    # Beyond the limit there is no partner and each value counts as one.
-    assert np.isnan(problem.paired_hz([factors[-1]])).all()
-    np.testing.assert_array_equal(residuals[-1], 1.0)
-    plain = ratio < 1.49  # Below 1.49 times the highest it is the documented e.
-    wanted = (gone_hz(factors[plain])[:, None] / np.array(measured)) ** 2 - 1.0
-    np.testing.assert_allclose(residuals[plain], wanted, rtol=1e-9, atol=1e-12)
-    # In between J falls from there to what is left, evenly: no step is more than a few of the mean slope.
-    np.testing.assert_allclose(np.abs(residuals).sum(axis=1), costs, rtol=1e-12)
-    fading = np.count_nonzero((ratio > 1.49) & (ratio < 1.5))
-    assert np.abs(np.diff(costs)).max() < 3.0 * np.ptp(costs) / fading
-
-
-def test_modes_that_have_changed_places_keep_their_shapes():
-    def held(first, last):
-        return ar.MassSpringChain([1.0] * 2, [1.0], ground_first_n_per_m=first, ground_last_n_per_m=last)
-
-    truth, model = held(900.0, 1000.0).modes(), held(1000.0, 900.0).modes()
-    problem = ar.UpdatingProblem(held(1000.0, 900.0), ar.stiffness_factor([1, 2], bounds=(0.7, 1.4)), truth)
-    np.testing.assert_allclose(problem.paired_hz([1.0, 1.0]), model.freq_hz[::-1], rtol=1e-9)
-    assert np.all(problem.paired_mac([1.0, 1.0]) > 0.99)
-    np.testing.assert_allclose(ar.update(problem, rng=0).x, [0.9, 10 / 9], atol=1e-6)
-
-
 def test_a_repeated_mode_is_compared_by_its_space():
     term = np.diag([1.0, 1.0, 0.0])
     model = ar.MatrixModel(np.diag([400.0, 400.0, 900.0]), np.eye(3), stiffness_terms=[term])

@@ -7,13 +7,14 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from inspect import signature
 from pathlib import Path, PurePath
 from textwrap import wrap
 from typing import Any
 
 from ..damage.options import ONE_STATE, TWO_STATES, DamagePrior, SearchOptions, options_with
 from ..identification.options import declared
-from ..io.registry import ENDINGS, formats_of
+from ..io.options import ENDINGS, READERS
 from ..models.frame_parts import PARTS
 from ..support.options import Option, small
 from ..support.values import FrozenDict
@@ -66,14 +67,9 @@ FORMATS = {**ENDINGS, "antiresonances": (".json",)}  # endings of files by forma
 SIGNAL_ENDINGS = [ending for endings in ENDINGS.values() for ending in endings]
 FOLDER = "folder"  # what has no ending: a folder of files of one response each
 SIGNALS = (*ENDINGS, FOLDER)
-RECORDS = formats_of("records")
 MODELS = CHAIN, FRAME, MATRICES, RESULT = ("chain", "frame", "matrices", "result")
 GROUPS = {  #: Names of several formats, or kinds of parameter, in the declarations below.
     "signals": SIGNALS,
-    "records": RECORDS,
-    "responses": tuple(kind for kind in SIGNALS if kind not in RECORDS),
-    "arrays": formats_of("arrays"),
-    "columns": formats_of("columns"),
     "stiffness": ("stiffness_factor", "stiffness_reduction"),
     "sectioned": ("youngs_modulus", "density", "thickness", "diameter"),
     "lumped": ("point_mass", "inertia"),
@@ -117,7 +113,9 @@ def _key(paragraph: str) -> Key:
     if found is None:
         raise ValueError(f"no declaration of a key: {paragraph!r}")
     name, required, kind, of, flag, default, sentence = (part or "" for part in found.groups())
-    groups = tuple(one for word in of.split() for one in GROUPS.get(word, (word,)))
+    readers = tuple(kind for kind, reader in READERS.items() if name in signature(reader).parameters)
+    named = {**GROUPS, "readers": readers}  # those that have such an option
+    groups = tuple(one for word in of.split() for one in named.get(word, (word,)))
     return Key(name, kind, sentence, default, bool(required), groups, flag)
 
 

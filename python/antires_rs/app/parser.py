@@ -209,7 +209,7 @@ def measurement_rows(needed: Sequence[str] = (), without: Sequence[str] = ()) ->
 
 def rows_of(keys: Iterable[Key], needed: Sequence[str] = ()) -> Iterator[Row]:
     """Those of some keys of a job that have a flag."""
-    from ..io.registry import ENDINGS
+    from ..io.options import ENDINGS
     from ..support.options import small
 
     for key in keys:

@@ -22,9 +22,10 @@ from ..identification.modes import identify_modes
 from ..identification.options import sorted_out
 from ..io.channels import renamed
 from ..io.common import Signal
+from ..io.options import READERS
 from ..io.own_format import relabelled
 from ..io.points import MatchedPoints, match_points
-from ..io.registry import CONVERT, READERS, differences
+from ..io.registry import CONVERT, differences
 from ..io.uff import as_point, force_of, label_of
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet

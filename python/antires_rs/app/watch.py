@@ -18,7 +18,8 @@ from ..exceptions import AntiresWarning, InvalidInputError, MissingDependencyErr
 from ..figures.canvas import picture
 from ..figures.sets import plot_tracks
 from ..io.common import Signal
-from ..io.registry import ENDINGS, natural
+from ..io.options import ENDINGS
+from ..io.registry import natural
 from ..measured.track import Tracks
 from ..signals.alignment import align
 from ..signals.recording import Recording

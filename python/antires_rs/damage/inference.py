@@ -782,7 +782,6 @@ def confirmed(search: Search, likelihood: Likelihood, source: ReducedRoots) -> R
         n_dof=source.terms.core.n_dof,
         size=source.largest,
         rounds=source.bases,
-        estimate=source.expected,
         difference=worst,
         agreed=worst <= TOLERANCE,
         full_evaluations=source.full_evaluations,

@@ -16,7 +16,6 @@ from ..updating.reduced_model import (
     Term,
     beside,
     coordinates,
-    expected_errors,
     matrices,
     point_basis,
     projected,
@@ -172,8 +171,6 @@ class ReducedRoots:
         self._depth = _DEPTH
         #: Bases made, evaluations of the full model, and the dofs of the largest reduced one.
         self.bases, self.full_evaluations, self.largest = 0, 0, 0
-        #: Largest relative error to be expected of a measured root at what was settled last.
-        self.expected = 0.0
 
     def roots(self, candidates: FloatArray, slopes: bool, threads: int) -> list[Roots]:
         """The roots at each row of ``candidates`` (m, n); all rows have the same factors."""
@@ -203,14 +200,6 @@ class ReducedRoots:
                 break
             self._depth += 1
         self._settled[x.tobytes()] = near
-        low, high = self.terms.measured_hz
-        ours = ours.only(ours.between(np.log(low) - 1e-9, np.log(high) + 1e-9))
-        # Of several forces the difference from the full model, above, is all that tells.
-        ours = ours.only(np.array([len(part[0]) == 1 for part in self.terms.parts])[ours.response])
-        rows, forces = np.array([(part[0][0], part[1][0]) for part in self.terms.parts])[ours.response].T
-        matrices_here = near.stiffness, near.mass
-        errors = expected_errors(matrices_here, near.basis, (rows, forces), np.exp(ours.log_f))
-        self.expected = float(errors.max(initial=0.0))
         return apart
 
     def _base_at(self, factors: FloatArray) -> NearPoint:

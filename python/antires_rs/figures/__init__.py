@@ -7,20 +7,16 @@ or mark is told from another by colour alone.
 """
 
 from ..support.messages import names_left
-from .damage import plot_damage, plot_hypotheses
-from .identification import plot_singular_values, plot_stabilization
-from .mesh import plot_mesh, write_mesh
-from .planning import plot_detectability, plot_plan
-from .responses import plot_responses
-from .sets import plot_comparison, plot_monitor, plot_tracks
-from .structure import plot_chain, plot_frame
-from .updating import plot_convergence, plot_differences, plot_identifiability
+from .damage import *
+from .identification import *
+from .mesh import *
+from .planning import *
+from .responses import *
+from .sets import *
+from .structure import *
+from .updating import *
 
-__all__ = [
-    "plot_chain", "plot_comparison", "plot_convergence", "plot_damage", "plot_detectability",
-    "plot_differences", "plot_frame", "plot_hypotheses", "plot_identifiability", "plot_mesh", "plot_monitor",
-    "plot_plan", "plot_responses", "plot_singular_values", "plot_stabilization", "plot_tracks", "write_mesh",
-]  # fmt: skip
+__all__ = sorted(name for name in globals() if name.startswith(("plot_", "write_")))
 
 __getattr__ = names_left(
     __name__,

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from ..damage.assess import DamageResult
     from ..damage.hypotheses import Assessment, Hypotheses, Hypothesis
 
+__all__ = ["plot_damage", "plot_hypotheses"]
+
 _WORTH_A_BAR = 0.02  # from this probability on an element that was not declared has a bar of its own
 LEAST_PERCENT = 10.0  # the axis shows at least this much: on a finer scale nothing would look like something
 MOST_VISIBLE = 25.0  # smallest visible losses above this do not lengthen the axis, or small bars would vanish

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram
     from ..signals.findings import DataCheck
 
+__all__ = ["plot_singular_values", "plot_stabilization"]
+
 CURVE = "#B8B8B8"  # lighter than every mark, also where colours are lost
 LOOKS: dict[str, tuple[str, Any]] = {  #: Colour and dash of each kind of value.
     "accepted": (COLOURS["vermillion"], "--"),

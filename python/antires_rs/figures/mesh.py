@@ -29,6 +29,8 @@ from .structure import ISOMETRIC, _value_by_element, forces_of, without_dof
 if TYPE_CHECKING:
     from ..models.matrix_model import MatrixModel
 
+__all__ = ["plot_mesh", "write_mesh"]
+
 #: Solids by their numbers of nodes: faces as corners, a triangle with its last one twice.
 _TETRAHEDRON = ((0, 1, 2, 2), (0, 1, 3, 3), (1, 2, 3, 3), (2, 0, 3, 3))
 _PYRAMID = ((0, 1, 2, 3), (0, 1, 4, 4), (1, 2, 4, 4), (2, 3, 4, 4), (3, 0, 4, 4))

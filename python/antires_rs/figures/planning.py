@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from ..planning.detection_curves import DetectionCurves
     from ..planning.plan import SensorPlan
 
+__all__ = ["plot_detectability", "plot_plan"]
+
 
 def plot_plan(plan: SensorPlan, ax: Any = None) -> Any:
     """Draw the smallest stiffness loss that each element must have to be seen, in %.

@@ -17,6 +17,8 @@ from .marks import Axis, Line, Mark, Panel, Rules
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
+__all__ = ["plot_responses"]
+
 MOST_RESPONSES = 6  # responses that a picture has room for
 _INTEGRATED = range(3)  # times that accelerance, mobility and receptance were integrated
 #: Of the measured curve, and of the model before and after.

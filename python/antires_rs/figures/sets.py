@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from ..measured.track import Tracks
     from ..watch.monitor import Watched
 
+__all__ = ["plot_comparison", "plot_monitor", "plot_tracks"]
+
 MOST_LABELS = 64  # above so many pairs their frequencies do not fit under the axis
 
 

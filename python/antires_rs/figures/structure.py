@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from ..models.chain import MassSpringChain
     from ..models.frame import FrameModel
 
+__all__ = ["plot_chain", "plot_frame"]
+
 
 def _value_by_element(values: Any, count: int) -> FloatArray | None:
     """A value for each of ``count`` elements, NaN where there is none; None if there are no values at all."""

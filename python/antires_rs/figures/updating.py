@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from ..updating.result import UpdateResult
     from ..updating.targets import FrequencyTable, ModalTable
 
+__all__ = ["plot_convergence", "plot_differences", "plot_identifiability"]
+
 MOST_LABELS = 64  # above this many antiresonances their frequencies no longer fit under the bars
 GAP = 0.8  # space between two responses, in widths of an antiresonance
 LEAST_WIDTH = 8.0  # a picture has room for so many at least: a single bar is a bar, not a block

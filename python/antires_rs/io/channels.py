@@ -20,6 +20,8 @@ from .common import rate_of, refuse_real, simplest_rate, unsuitable
 from .options import Dofs, Reading
 from .units import Unit
 
+__all__ = ["from_sep005", "to_sep005"]
+
 _TIME = ("time", "t", "time_s", "x_value", "zeit")  # names of a channel that holds the instants of the others
 _SAME_RATE = 1e-6
 

@@ -39,6 +39,8 @@ from .matrix_files import write_matrices
 from .mesh_files import read_mesh
 from .options import PathLike
 
+__all__ = ["read_model", "write_model"]
+
 # -- Runs in folders of their own, kept by a hash of all they depend on
 
 FORMAT, VERSION = "antires_rs.run", 1

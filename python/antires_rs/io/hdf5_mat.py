@@ -21,8 +21,10 @@ from .own_format import FORMAT, TEXT, own_signal, pack
 from .raw_arrays import channels_first, signal_of_arrays, stated_number
 from .units import abscissa_factor, is_abscissa, is_frequency
 
+__all__ = ["read_hdf5", "read_mat", "write_hdf5", "write_mat"]
 
-@reader
+
+@reader(".h5 .hdf5 .hdf")
 def read_hdf5(
     path: PathLike, *, time_limit_s: float = 60.0, memory_limit_gb: float = 8.0, **options: Unpack[OfArrays]
 ) -> Signal:
@@ -300,7 +302,7 @@ def _of_dewesoft(file: Path, arrays: Arrays, said: Mapping[str, Any]) -> list[Ch
 _WANTED = "a whole MAT file, version 5 or 7.3"
 
 
-@reader
+@reader(".mat")
 def read_mat(
     path: PathLike, *, time_limit_s: float = 60.0, memory_limit_gb: float = 8.0, **options: Unpack[OfArrays]
 ) -> Signal:

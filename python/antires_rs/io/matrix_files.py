@@ -30,6 +30,8 @@ from .common import BYTES_OF_DOF, bounded, existing_file, most_bytes, parts_of, 
 from .options import PathLike
 from .own_format import read_archive
 
+__all__ = ["read_dof_map", "read_matrices", "write_matrices"]
+
 Point = tuple[int, int]  # node and direction code, 1 to 6; 0 is a scalar
 Entry = tuple[Point, Point, float]  # row, column, value
 

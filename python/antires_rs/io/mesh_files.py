@@ -17,6 +17,8 @@ from .calculix import Deck
 from .common import brief, existing_file, require, unsuitable
 from .options import PathLike
 
+__all__ = ["read_mesh"]
+
 _WANTED = "a mesh with lines, surfaces or solids, in a format of meshio"
 
 

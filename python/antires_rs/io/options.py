@@ -110,25 +110,36 @@ def _sections(text: str) -> tuple[str, dict[str, str]]:
 #: What all readers, and all writers, have in common.
 _COMMON = _sections(Path(__file__).with_name("options.txt").read_text(encoding="utf-8"))[1]
 
+#: Readers of signals by format, and the endings of their files, as :func:`reader` adds them.
+READERS: dict[str, Callable[..., Any]] = {}
+ENDINGS: dict[str, tuple[str, ...]] = {}
 
-def reader(function: Made) -> Made:
-    """Signature and docstring of a reader with what its options are."""
-    own = inspect.signature(function)
-    path, *rest = (each for each in own.parameters.values() if each.kind is not each.VAR_KEYWORD)
-    shared = []
-    if "options" in own.parameters:
-        (family,) = get_args(get_type_hints(function)["options"])
-        shared = [
-            inspect.Parameter(each.name, path.KEYWORD_ONLY, default=each.default, annotation=each.type)
-            for each in fields(Reading)
-            if each.name in family.__annotations__
-        ]
-    parameters = [path, *shared, *rest]
-    function.__signature__ = own.replace(parameters=parameters)  # type: ignore[attr-defined]
-    made = "Recording" if own.return_annotation == "Recording" else "Recording or FrequencyResponse"
-    common = {"Returns": f"{made}\n    In SI.\n", "Raises": _COMMON["Raises"], "Warns": _COMMON["Warns"]}
-    _document(function, _COMMON["Readers"], common)
-    return function
+
+def reader(endings: str) -> Callable[[Made], Made]:
+    """A format with files of these endings, read by ``read_`` and its name: signature and docstring with what
+    the options are."""
+
+    def described(function: Made) -> Made:
+        own = inspect.signature(function)
+        path, *rest = (each for each in own.parameters.values() if each.kind is not each.VAR_KEYWORD)
+        shared = []
+        if "options" in own.parameters:
+            (family,) = get_args(get_type_hints(function)["options"])
+            shared = [
+                inspect.Parameter(each.name, path.KEYWORD_ONLY, default=each.default, annotation=each.type)
+                for each in fields(Reading)
+                if each.name in family.__annotations__
+            ]
+        parameters = [path, *shared, *rest]
+        function.__signature__ = own.replace(parameters=parameters)  # type: ignore[attr-defined]
+        made = "Recording" if own.return_annotation == "Recording" else "Recording or FrequencyResponse"
+        common = {"Returns": f"{made}\n    In SI.\n", "Raises": _COMMON["Raises"], "Warns": _COMMON["Warns"]}
+        _document(function, _COMMON["Readers"], common)
+        name = function.__name__.removeprefix("read_")
+        READERS[name], ENDINGS[name] = function, tuple(endings.split())
+        return function
+
+    return described
 
 
 def writer(function: Made) -> Made:

@@ -30,6 +30,8 @@ from .options import OfArrays, PathLike, Reading, opened, reader, writer
 from .raw_arrays import signal_of_arrays
 from .units import Unit
 
+__all__ = ["read_npz", "write_npz"]
+
 FORMAT, VERSION = "antires_rs.signal", 1
 TEXT = "antires_rs"  # the name of the JSON text in a file
 _RECORDING = ("responses",), ("force",), ("fs_hz",)  # arrays, those that may be missing, and other parts
@@ -154,7 +156,7 @@ def relabelled(signal: Signal, labels: Sequence[Any]) -> Signal:
 _NPY = b"\x93NUMPY"  # the first bytes of a .npy file
 
 
-@reader
+@reader(".npz .npy")
 def read_npz(path: PathLike, **options: Unpack[OfArrays]) -> Signal:
     """Read a NumPy archive (.npz) or array (.npy): ours as it was, any other by the names of its arrays.
 

@@ -24,6 +24,8 @@ from .registry import format_by_ending
 from .uff import functions_of, nodes_of
 from .units import Unit
 
+__all__ = ["MatchedPoints", "match_points"]
+
 _AXES = "XYZ"
 _MOST_DEG = 15.0  # so far a sensor may stand off its axis
 _SCALES = {1e-3: "in mm", 1e-2: "in cm", 0.0254: "in inches", 0.3048: "in feet"}

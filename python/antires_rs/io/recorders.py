@@ -26,6 +26,8 @@ from .options import PathLike, Rated, Selected, opened, reader
 from .raw_arrays import stated_number
 from .text_table import decoded, signal_of_table, table_of
 
+__all__ = ["read_lvm", "read_miniseed", "read_tdms", "read_wav"]
+
 # -- TDMS of National Instruments (LabVIEW, FlexLogger, DIAdem)
 
 _WANTED_TDMS = "a whole TDMS file"
@@ -33,7 +35,7 @@ _WANTED_TDMS = "a whole TDMS file"
 _LEAD_IN, _NEVER_CLOSED = 28, 2**64 - 1
 
 
-@reader
+@reader(".tdms")
 def read_tdms(
     path: PathLike,
     *,
@@ -130,7 +132,7 @@ def _check_segments(file: Path, partial: bool) -> None:
 _WANTED_WAV = "a whole WAV file (RIFF) of whole numbers or floats"
 
 
-@reader
+@reader(".wav")
 def read_wav(
     path: PathLike,
     *,
@@ -215,7 +217,7 @@ def _check_chunks(file: Path) -> None:
 # -- miniSEED of seismic recorders and many wireless sensors
 
 
-@reader
+@reader(".mseed .miniseed")
 def read_miniseed(
     path: PathLike, *, time_limit_s: float = 60.0, memory_limit_gb: float = 8.0, **options: Unpack[Selected]
 ) -> Recording:
@@ -346,7 +348,7 @@ def _segments(file: Path) -> tuple[_Form, list[Segment]]:
     return form, found
 
 
-@reader
+@reader(".lvm")
 def read_lvm(
     path: PathLike, *, run: int | None = None, partial: bool = False, **options: Unpack[Rated]
 ) -> Recording:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from fnmatch import fnmatchcase
 from pathlib import Path, PurePath
 from typing import Any
@@ -16,35 +16,10 @@ from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import choice, shape_of
 from .channels import kept, renamed
-from .common import Signal, existing_file, unsuitable
-from .hdf5_mat import read_hdf5, read_mat
-from .options import Dofs, PathLike
-from .own_format import read_npz
-from .recorders import read_lvm, read_miniseed, read_tdms, read_wav
-from .table_files import read_csv, read_excel, read_parquet
-from .uff import read_uff
+from .common import existing_file, unsuitable
+from .options import ENDINGS, READERS, Dofs, PathLike
 
-#: Each format with its reader, the endings of its files, and the group of formats to which it belongs.
-_FORMATS: dict[str, tuple[Callable[..., Signal], str, str]] = {
-    "uff": (read_uff, ".uff .unv .uf .u58", ""),
-    "mat": (read_mat, ".mat", "arrays"),
-    "hdf5": (read_hdf5, ".h5 .hdf5 .hdf", "arrays"),
-    "csv": (read_csv, ".csv .tsv .txt", "columns"),
-    "npz": (read_npz, ".npz .npy", "arrays"),
-    "tdms": (read_tdms, ".tdms", "records"),
-    "lvm": (read_lvm, ".lvm", "records"),
-    "wav": (read_wav, ".wav", "records"),
-    "excel": (read_excel, ".xlsx .xlsm", "columns"),
-    "parquet": (read_parquet, ".parquet .pq", "columns"),
-    "miniseed": (read_miniseed, ".mseed .miniseed", "records"),
-}
-READERS = {name: reader for name, (reader, _, _) in _FORMATS.items()}
-ENDINGS = {name: tuple(endings.split()) for name, (_, endings, _) in _FORMATS.items()}
-
-
-def formats_of(group: str) -> tuple[str, ...]:
-    """Names of the formats of a group: arrays with names, tables of columns, or records alone."""
-    return tuple(name for name, (_, _, own) in _FORMATS.items() if own == group)
+__all__ = ["read_frf_files"]
 
 
 def format_by_ending(name: str) -> str | None:

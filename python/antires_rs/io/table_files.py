@@ -26,8 +26,10 @@ from .own_format import as_asked, check_dofs
 from .text_table import MARK, VERSION, Table, named, signal_of_table, table_of
 from .units import Unit
 
+__all__ = ["read_csv", "read_excel", "read_parquet", "write_csv"]
 
-@reader
+
+@reader(".csv .tsv .txt")
 def read_csv(
     path: PathLike,
     *,
@@ -160,7 +162,7 @@ def write_csv(path: PathLike, signal: Signal, *, unit: str | None = None, delimi
     return write_atomically(path, ("\n".join(lines) + "\n").encode())
 
 
-@reader
+@reader(".xlsx .xlsm")
 def read_excel(
     path: PathLike,
     *,
@@ -200,7 +202,7 @@ def read_excel(
     return signal_of_table(file, _table(file, entries, head), given)
 
 
-@reader
+@reader(".parquet .pq")
 def read_parquet(
     path: PathLike, *, time_limit_s: float = 60.0, memory_limit_gb: float = 8.0, **options: Unpack[OfColumns]
 ) -> Signal:

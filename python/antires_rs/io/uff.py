@@ -39,6 +39,8 @@ from .options import PathLike, Reading, reader, writer
 from .own_format import check_dofs
 from .units import Unit, abscissa_factor
 
+__all__ = ["list_uff", "read_uff", "write_uff"]
+
 # -- Where the datasets of a universal file begin and end, found without trusting any of them
 #
 # A dataset lies between two lines ``    -1``. The file does not say how many there are, nor that one is
@@ -629,7 +631,7 @@ def one_run(file: Path, functions: list[Function], run: int | None) -> list[Func
 _KIND_OF = {"auto spectrum": "spectra", "cross spectrum": "spectra"}
 
 
-@reader
+@reader(".uff .unv .uf .u58")
 def read_uff(
     path: PathLike,
     *,

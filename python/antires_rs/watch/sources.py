@@ -17,8 +17,9 @@ import numpy as np
 from ..exceptions import Argument, InvalidInputError, MissingDependencyError, part, reject
 from ..identification.identify import identify_antiresonances
 from ..identification.options import sorted_out
+from ..io.options import ENDINGS, READERS
 from ..io.own_format import relabelled
-from ..io.registry import ENDINGS, READERS, format_by_ending, natural, read_frf_files
+from ..io.registry import format_by_ending, natural, read_frf_files
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..signals.findings import Finding
 from ..signals.frequency_response import FrequencyResponse
