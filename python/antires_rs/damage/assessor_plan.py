@@ -30,7 +30,6 @@ from .inference import (
     Fit,
     Learned,
     Search,
-    intact_slopes,
     learned_from,
     refitted,
 )
@@ -367,18 +366,6 @@ class Plan:
         return np.concatenate([n + nth * len(PLACES) + _NEAREST for nth, _ in enumerate(self.cracks)])
 
     @cached_property
-    def alike(self) -> list[list[tuple[int, float]]]:
-        """By element, those with the sensitivities most like its own, and the loss of each that is like 1."""
-        likelihood = self.prepared.likelihood
-        (slopes,) = intact_slopes(likelihood, likelihood.n)
-        products = slopes.T @ slopes
-        size = np.maximum(np.diag(products), 1e-300)
-        likeness = products / np.sqrt(np.outer(size, size)) - 2.0 * np.eye(size.size)
-        share = np.clip(products / size, 0.0, 10.0)
-        order = np.argsort(-likeness, axis=1)[:, :_ALIKE].tolist()
-        return [[(other, float(share[e, other])) for other in row] for e, row in enumerate(order)]
-
-    @cached_property
     def heat(self) -> list[float]:
         """Changes of ln stiffness by temperature, (k, n), one after the other."""
         both = zip(self.prepared.factors, self.prepared.likelihood.warmer, strict=True)
@@ -488,7 +475,6 @@ _SETTLING, _FAR = 2, 6.0
 #: Pairs that are seen from so many single elements; how far the second one's severity (u) may be.
 _GROWN, _GROWING, _GROWS = 4, 2, 0.3
 _LINEAR = 6  # sets known from another one's severities alone that are looked at from their own in the end
-_ALIKE = 3  # elements that are looked at in place of one that moves the roots alike
 _JOINED = (0, 10, 3)  # so many elements join a set of one and of two in the linear model of its view
 #: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
 #: the same for those of the answer.
@@ -610,24 +596,6 @@ class QuickSearch(Search):
         own = [s for s in known if len(s) == size and not self.outside(s)]
         return sorted(own, key=lambda s: -known[s])
 
-    def _exchange(self, size: int) -> None:
-        """Look at what may stand in place of each element of the likeliest set of a size."""
-        for elements in self._known(size)[:1]:
-            self._tabulate(self._exchanged(elements))
-
-    def _exchanged(self, elements: Elements) -> dict[Elements, FloatArray]:
-        """Sets with one of the elements for another that moves the roots much alike, and severities (u)."""
-        asked: dict[Elements, list[float]] = {}
-        own = dict(zip(elements, self._u(elements).tolist(), strict=True))
-        for e, u in own.items():
-            for other, share in self.likelihood.plan.alike[e]:
-                if other in self._further(elements):
-                    both = sorted({**own, other: share * u}.items())
-                    asked[tuple(k for k, _ in both if k != e)] = [x for k, x in both if k != e]
-        new = {s: u for s, u in asked.items() if s not in self.rough and s not in self.seen}
-        found = self.likelihood.test.refine([(list(s), u) for s, u in new.items()], _STEPS)
-        return {s: np.array(u) for s, (u, _) in zip(new, found, strict=True)}
-
     def _scanned(self, parents: list[tuple[Elements, FloatArray]]) -> dict[Elements, FloatArray]:
         """Sets with one element more than ``parents``, which have severities (u): those that explain most."""
         chosen = self._joined(parents)
@@ -683,7 +651,6 @@ class QuickSearch(Search):
             return
         self._tabulate(chosen)
         size = max(map(len, chosen))
-        self._exchange(size)
         while near := self._open(size, 0.0, self.seen):
             self._settle(near[0], computed=len(near[0]) > 1 and self.looks < _EARLY)
         if size == 1:
@@ -761,8 +728,6 @@ class QuickSearch(Search):
         new = [s for s in self._near() if s not in self.judged and s not in self.rough][:_LINEAR]
         linear = {s: _within(self.fits[s].beta) for s in new}
         self._tabulate(linear, looks=1)
-        for size in {len(s) for s in self._open(LARGEST, _NEAR, set())} - {1}:
-            self._exchange(size)
         while near := self._open(LARGEST, _NEAR, self.judged):
             if self.looks >= _MOST_LOOKS:
                 self.cut = True
