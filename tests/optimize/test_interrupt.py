@@ -50,10 +50,11 @@ LONG = """
 n = 1500
 chain = ar.MassSpringChain(np.ones(n), np.full(n - 1, 1e4))
 """ + RAISES.format(code='chain.antiresonances(range(0, n, 10), 0, method="pencil")')
-# Imported beforehand: scipy.stats runs text by exec, and an interrupt in there, though caught, makes Python
-# exit by the signal.
+# Once beforehand: what SciPy imports then runs text by exec, and an interrupt in there, though caught, makes
+# Python exit by the signal.
 IDENTIFY = """
-import scipy.signal
+short = case.experiment(0, rng=0, duration_s=60.0)
+ar.identify_antiresonances(short, excitation=0, band_hz=case.band_hz, progress=False)
 record = case.experiment(0, rng=0, duration_s=2400.0)
 """ + RAISES.format(code="while True: ar.identify_antiresonances(record, excitation=0, band_hz=case.band_hz)")
 GOOD = "interrupted False True True"

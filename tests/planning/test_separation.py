@@ -34,3 +34,18 @@ def test_it_names_no_sensor_that_would_leave_a_damage_unseen():
     assert one.separating_test in one.notes
     assert assessed([3, 1]).damaged == [1]  # whose values lie beside that band
     assert assessed([3, 1]).separating_test == ""
+
+
+def test_values_without_standard_deviation_have_it_too():
+    bar = ar.Rectangle(0.04, 0.008, 7.0e10, 2700.0)
+    nodes, beams = [(0.1 * i, 0.0) for i in range(7)], [(i, i + 1) for i in range(6)]
+    beam = ar.FrameModel(nodes, beams, bar, fixed=[0, 6])  # symmetric
+    middle = beam.dof(3, "v")
+    states = (beam, beam.with_parameters(ar.stiffness_reduction(1), [0.3]))
+    before, after = (
+        ar.AntiresonanceSet(middle, {middle: one.antiresonances(middle, middle, f_max_hz=1500.0)})
+        for one in states
+    )
+    found = ar.assess_damage(beam, after, baseline=before, workers=1, progress=False)
+    assert found.separating_test.startswith("To tell element")
+    assert "element 4" in found.summary()

@@ -743,13 +743,20 @@ class Likelihood:
 
     @property
     def moved_alike(self) -> float:
-        """Relative change of all values, where that is what something else comes to; else 0."""
+        """Relative change of all values, where that is what something else comes to; else 0.
+
+        An error of all alike lets values differ from it as the model's own errors do: where half of them
+        differ by more than half of the change, they have not moved alike.
+        """
         likeliest, alike = self._alike
         if self.something_else > np.log(2.0) + alike:  # less than half of it
             return 0.0
         view = self.without_damage(0.0, likeliest)
         moved = view.residual[self.now.kind[view.partner >= 0] == 0]
-        return float(np.expm1(np.median(moved))) if moved.size else 0.0
+        if not moved.size:
+            return 0.0
+        shift = float(np.median(moved))
+        return float(np.expm1(shift)) if np.median(np.abs(moved - shift)) <= 0.5 * abs(shift) else 0.0
 
     @cached_property
     def _alike(self) -> tuple[float, float]:

@@ -54,7 +54,8 @@ def separating_test(result: DamageResult) -> str:
         how = f"n_sensors={len(used) + 1}, excitations={list(sensors)}"
         return f"{what}ask ar.plan_test(model, {elements}, {how}) where to measure next."
     values = np.concatenate([each[dof] for each in sets for dof in each])
-    std = np.concatenate([each.std_hz[dof] / each[dof] for each in sets for dof in each])
+    stated = (each.std_hz[dof] / each[dof] for each in sets for dof in each if dof in each.std_hz)
+    std = np.concatenate([np.empty(0), *stated])
     known = std[np.isfinite(std)]
     errors = ExpectedErrors(0.0, 1.0, 0.01, float(np.median(known)) if known.size else ASSUMED_STD)
     band = float(values.min()) / _WIDER, float(values.max()) * _WIDER
