@@ -102,15 +102,18 @@ def test_records_that_do_not_belong_together_are_named():
         identified([one, ar.Recording(one.responses, 256.0)])
     with pytest.raises(ar.InvalidInputError, match=r"^source\[2\]: got a record of dofs.*merge_setups"):
         identified([one, one, ar.Recording(one.responses[:5], FS)])
+    again = "got the numbers of measurement 0, counted from 0"
     refused("^source: got an empty list", identified, [])
-    refused(r"^source\[2\]: got the numbers of measurement 1 again", identified, [one, shaken(2), one])
+    refused(
+        r"^source\[2\]: got the numbers of measurement 0, counted from 0", identified, [one, shaken(2), one]
+    )
     with pytest.raises(ar.InvalidInputError, match=r"^source\[1\]: got FrequencyResponse"):
         identified([one, ar.transmissibility(one, 0, nperseg=2048)])
     unsuitable(r"2 decay.*record 3\)", identified, [impact(0), impact(1), one])
     ratios = ar.transmissibility(one, 2, nperseg=4096)
     other = ar.FrequencyResponse(ratios.freq_hz + 0.01, ratios.values, ratios.dofs, ratios.kind, 2)
     refused(r"^source\[1\].*lines of the first", identified, [ratios, other])
-    refused(r"^source\[1\]: got the numbers of measurement 1 again", identified, [ratios, ratios])
+    refused(rf"^source\[1\]: {again}", identified, [ratios, ratios])
 
 
 # ---- Curves of several tests: what moves a whole curve from test to test is in the errors
