@@ -166,6 +166,9 @@ def disagreement(
     weight = 1.0 / np.maximum(share, STRONG * floor).clip(1e-300)
     ratio = np.einsum("p,rpf->rf", weight, power) / max(float(weight @ noise), 1e-300)
     left = [int(i) for i in np.argsort(-np.median(ratio, axis=1), kind="stable")]
+    # The noise is that of most segments. Of a louder record it may have grown as the responses have.
+    level = ratio.mean(axis=1)
+    ratio /= np.maximum(level / np.median(level[records]), 1.0)[:, None]
     groups: list[list[int]] = []
     angles: dict[tuple[int, int], tuple[float, float, str]] = {}
     while left:  # the strongest record that is left, and those that agree with it
