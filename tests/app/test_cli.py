@@ -183,11 +183,11 @@ def test_report_of_a_result_and_of_its_folder(tmp_path, capsys):
 def test_a_remedy_is_spelled_as_its_reader_would_write_it(tmp_path, capsys):
     table = tmp_path / "unnamed.csv"
     table.write_text("".join(f"{0.01 * i:.2f},{i % 7},{i % 5}\n" for i in range(200)), encoding="utf-8")
-    with pytest.raises(ar.InvalidInputError, match="Pass first='time', or first='freq'."):
+    with pytest.raises(ar.InvalidInputError, match="Pass first='time', first='freq' or first='channel'."):
         ar.read_csv(table)
     assert cli.main(["identify", str(table), "--band", "3", "30", "--excitation", "0"]) == 1
     said = capsys.readouterr().err
-    assert "Pass --first time, or --first freq." in said
+    assert "Pass --first time, --first freq or --first channel." in said
     assert cli.main(["identify", str(table), "--band", "3", "30", "--first", "channel", "--fs", "500"]) == 2
     assert capsys.readouterr().err.startswith("antires: 200 samples at 500 Hz are 0.4 s\n")
     job = tmp_path / "job.toml"
@@ -198,7 +198,7 @@ def test_a_remedy_is_spelled_as_its_reader_would_write_it(tmp_path, capsys):
     assert cli.main(["damage", str(job)]) == 1
     said = capsys.readouterr().err
     assert "line 2, [data] file: got" in said
-    assert 'Pass first = "time", or first = "freq".' in said
+    assert 'Pass first = "time", first = "freq" or first = "channel".' in said
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")

@@ -103,6 +103,17 @@ def test_a_file_with_channels_exchanged_is_named(tmp_path, impacts, monkeypatch,
         measured(tmp_path, data)
 
 
+def test_seconds_to_record_are_no_number_of_a_record(tmp_path, monkeypatch, capsys):
+    model = ar.cases.chain8().model
+    given = {"excitation": 0, "fs_hz": 250.0, "duration_s": 8.0, "damping_ratio": 0.01}
+    for seed in (0, 1):
+        ar.write_npz(tmp_path / f"run_{seed}.npz", model.simulate(**given, rng=seed))
+    monkeypatch.chdir(tmp_path)
+    call = ["identify", "run_0.npz", "run_1.npz", "--band", "3", "100", "--excitation", "0"]
+    assert cli.main(call) == 0
+    assert "Record 36 s, better 290 s." in capsys.readouterr().err
+
+
 def test_a_folder_of_frfs_is_identified_on_the_command_line_and_in_a_job(tmp_path, capsys):
     folder, freq = tmp_path / "frfs", np.arange(1, 1120) / 8
     folder.mkdir()

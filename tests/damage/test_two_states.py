@@ -291,6 +291,16 @@ def test_one_damaged_spring_is_named_and_sized(kind, element, loss):
         assert np.nanmax(np.abs(result.table.after_percent)) < 1.0
 
 
+def test_a_mode_too_far_off_to_be_a_partner_has_no_shape_in_the_table_either(monkeypatch):
+    monkeypatch.setattr("antires_rs.damage.assess.PAIRED_STATES", 0.02)
+    table = assessed(12, losses_of({2: 0.3}), kind=modes).table
+    gone = np.isnan(table.before_hz)
+    assert 0 < gone.sum() < gone.size
+    for column in (table.before_mac, table.before_mode):
+        assert (np.isnan(column) == gone).all()
+    assert not np.isnan(table.after_mac).any()
+
+
 def test_probabilities_add_up_and_severities_are_those_of_the_first_hypothesis():
     result = assessed(32, [0, 0.1, 0, 0, 0])
     assert np.isclose(result.hypotheses.probability.sum(), 1.0, atol=1e-6)

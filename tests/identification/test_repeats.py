@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.signal import butter, sosfilt
 
 import antires_rs as ar
 from reference.matching import match
@@ -102,15 +103,18 @@ def test_records_that_do_not_belong_together_are_named():
         identified([one, ar.Recording(one.responses, 256.0)])
     with pytest.raises(ar.InvalidInputError, match=r"^source\[2\]: got a record of dofs.*merge_setups"):
         identified([one, one, ar.Recording(one.responses[:5], FS)])
+    again = "got the numbers of measurement 0, counted from 0"
     refused("^source: got an empty list", identified, [])
-    refused(r"^source\[2\]: got the numbers of measurement 1 again", identified, [one, shaken(2), one])
+    refused(
+        r"^source\[2\]: got the numbers of measurement 0, counted from 0", identified, [one, shaken(2), one]
+    )
     with pytest.raises(ar.InvalidInputError, match=r"^source\[1\]: got FrequencyResponse"):
         identified([one, ar.transmissibility(one, 0, nperseg=2048)])
     unsuitable(r"2 decay.*record 3\)", identified, [impact(0), impact(1), one])
     ratios = ar.transmissibility(one, 2, nperseg=4096)
     other = ar.FrequencyResponse(ratios.freq_hz + 0.01, ratios.values, ratios.dofs, ratios.kind, 2)
     refused(r"^source\[1\].*lines of the first", identified, [ratios, other])
-    refused(r"^source\[1\]: got the numbers of measurement 1 again", identified, [ratios, ratios])
+    refused(rf"^source\[1\]: {again}", identified, [ratios, ratios])
 
 
 # ---- Curves of several tests: what moves a whole curve from test to test is in the errors
@@ -235,3 +239,20 @@ def test_hits_at_two_places_are_not_one_test(noise):
 def test_a_structure_that_changes_a_little_is_one_test(shift):
     for record in (impact, shaken):
         assert not differing([record(40), record(41, shift), record(42, -shift)])
+
+
+@pytest.mark.parametrize("seed", some_of([1, 2, 3]))
+def test_a_louder_record_whose_noise_is_louder_too_is_one_test(seed):
+    model, records = ar.cases.chain8().model, []
+    for nth, (duration_s, size, band_hz) in enumerate(
+        ((60.0, 1.0, 20.0), (20.0, 10.0, 40.0), (120.0, 1e-2, 99.0))
+    ):
+        rec = model.simulate(
+            excitation=0, fs_hz=250.0, duration_s=duration_s, damping_ratio=0.01, rng=10 * seed + nth
+        )
+        sos = butter(2, band_hz, "highpass" if nth == 1 else "lowpass", fs=250.0, output="sos")
+        x = size * sosfilt(sos, rec.responses)
+        rng = np.random.default_rng([seed, nth])
+        noise = 0.1 * x.std(axis=1, keepdims=True) * rng.standard_normal(x.shape)
+        records.append(ar.Recording(x + noise, 250.0))
+    assert not ar.check_data(records, excitation=0, band_hz=(3, 100), method="welch").named("records_differ")

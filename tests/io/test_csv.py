@@ -202,6 +202,8 @@ def test_a_rate_is_asked_of_files_without_a_time_and_of_no_others(tmp_path, head
     if timed:  # a column that ascends is no response
         for options in ({}, {"fs_hz": 500.0}):
             unsuitable("'time\\?', ascends but is neither called time", ar.read_csv, file, **options)
+        coarse = saved(tmp_path / "b.csv", text(np.round(TIME, 2), TIP, ROOT, head=head))
+        unsuitable("'time\\?', ascends", ar.read_csv, coarse, fs_hz=500.0)
     else:
         unsuitable(
             "without a column of time or frequency; wanted a sampling rate. Pass fs_hz=", ar.read_csv, file

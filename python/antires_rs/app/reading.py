@@ -340,7 +340,8 @@ def places_of(given: Any, known: Container[Any] = ()) -> list[Any]:
 
 
 _DOFS = re.compile(r"\b(?:[Dd]ofs?|[Cc]hannels?) \d+(?:(?:, | and | or )\d+)*")
-_RECORDS = re.compile(r"\b[Rr]ecords? \d+(?:(?:, | and )\d+)*")
+#: Not "Record 13 s, better 40 s", nor what "and 2 more" leaves out.
+_RECORDS = re.compile(r"\b[Rr]ecords? \d+\b(?!\.\d| s\b)(?:(?:, | and )\d+\b(?! more))*")
 _NUMBER = re.compile(r"\d+")
 
 #: Keys of values that are dropped and added by hand, and what each does.

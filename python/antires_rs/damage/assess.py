@@ -164,9 +164,13 @@ class DamageResult(Answered, UpdateResult):
         table = super().table
         if self._assessment is None:
             return table
-        hz = np.array([table.before_hz, table.after_hz])
-        before, after = np.where(np.abs(np.log(hz / table.measured_hz)) <= PAIRED_STATES, hz, np.nan)
-        return replace(table, before_hz=before, after_hz=after, corrected=True)
+        columns: dict[str, Any] = {}
+        for state, hz in (("before", table.before_hz), ("after", table.after_hz)):
+            near = np.abs(np.log(hz / table.measured_hz)) <= PAIRED_STATES
+            for name in (f"{state}_hz", f"{state}_mac", f"{state}_mode"):  # modes have all three
+                if (column := getattr(table, name, None)) is not None:
+                    columns[name] = np.where(near, column, np.nan)
+        return replace(table, corrected=True, **columns)
 
     @cached_property
     def _alone(self) -> Question:

@@ -592,9 +592,9 @@ def _what_first(file: Path, columns: list[Channel], hertz: bool, rated: bool) ->
         return "time"
     if hertz or any(np.iscomplexobj(c.values) for c in columns):
         return "freq"
-    if np.all(np.diff(lead.values) > 0.0):  # as a time does, and no response
+    if lead.values[0] < lead.values[-1] and np.all(np.diff(lead.values) >= 0.0):  # as a time
         found = f"whose first column, {lead.name!r}, ascends but is neither called time nor frequency"
-        unsuitable(file, found, "to know what it is", "Pass first='time', or first='freq'.")
+        unsuitable(file, found, "to know what it is", "Pass first='time', first='freq' or first='channel'.")
     if not rated:
         found = "without a column of time or frequency"
         unsuitable(file, found, "a sampling rate", "Pass fs_hz=, in samples a second.")

@@ -9,6 +9,7 @@ poles: the average is the dominant eigenvector of all response vectors instead.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from hashlib import blake2b
 from typing import Any
 
 import numpy as np
@@ -99,11 +100,12 @@ def pooled(records: Sequence[Recording], name: str = "source") -> Recording:
 
 def _each_once(several: Any, name: str) -> None:
     """Refuse a measurement that is there twice: what is known would look more exact than it is."""
+    first: dict[bytes, int] = {}
     for i, one in enumerate(several):
-        for k in range(i):
-            if np.array_equal(one, several[k]):
-                got, wanted = f"the numbers of measurement {k + 1} again", "another measurement of the test"
-                reject(Argument(name).item(i), got, wanted, "Was one file given twice? Leave it out.")
+        k = first.setdefault(blake2b(np.ascontiguousarray(one).data).digest(), i)
+        if k < i:
+            got, wanted = f"the numbers of measurement {k}, counted from 0", "another measurement of the test"
+            reject(Argument(name).item(i), got, wanted, "Was one file given twice? Leave it out.")
 
 
 def _rows(first: Any, one: Any, name: Argument, got: str, kind: str) -> list[int]:
@@ -164,6 +166,9 @@ def disagreement(
     weight = 1.0 / np.maximum(share, STRONG * floor).clip(1e-300)
     ratio = np.einsum("p,rpf->rf", weight, power) / max(float(weight @ noise), 1e-300)
     left = [int(i) for i in np.argsort(-np.median(ratio, axis=1), kind="stable")]
+    # The noise is that of most segments. Of a louder record it may have grown as the responses have.
+    level = ratio.mean(axis=1)
+    ratio /= np.maximum(level / np.median(level[records]), 1.0)[:, None]
     groups: list[list[int]] = []
     angles: dict[tuple[int, int], tuple[float, float, str]] = {}
     while left:  # the strongest record that is left, and those that agree with it

@@ -69,9 +69,7 @@ def waiting(what: str, progress: bool | None) -> Iterator[None]:
     try:
         yield
     except np.linalg.LinAlgError as error:  # NumPy's, of input that no check has foreseen
-        why = (
-            f"{error}. Are all units those of the model and of the values, and no values equal or far apart?"
-        )
+        why = f"{error}. Check the units of model and values, and whether values are given twice."
         raise NumericalError(what, why) from error
     finally:
         _AT.reset(token)

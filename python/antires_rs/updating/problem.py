@@ -548,7 +548,7 @@ def explained(problem: UpdatingProblem, x: FloatArray, *, doubted: bool = False)
 
 
 #: Fewer values fit any scale by chance; and a smaller factor (ln) may be that of a model that can be learned.
-_TELLING, _HOPELESS = 4, 0.65
+_TELLING, _HOPELESS = 6, 0.65
 
 
 def refuse_other_units(problem: UpdatingProblem) -> None:
