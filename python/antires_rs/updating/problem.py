@@ -380,7 +380,8 @@ _BETWEEN: tuple[tuple[float, str], ...] = (
     (0.5, "is their sampling rate given half the true one?"),
 )
 _SHARE, _BETTER = 0.7, 1.3  # so many of values and roots have a partner, so many more than without
-_MOST_PLACES, _ALIKE, _NAMED = 60, 0.05, 3  # where a force is looked for; shares alike; places that are named
+#: Places where a force is looked for, fewer in a large model (sum of n_dof^3); shares alike; places named.
+_MOST_PLACES, _MOST_WORK, _ALIKE, _NAMED = 60, 1e9, 0.05, 3
 _THROUGHOUT = "is a modulus, a density (mass per length?), a section or a length wrong throughout?"
 _ORDINARY = 0.1  # nearer to 1, in ln f, a ratio is an error of the model as any has, and what updating is for
 MOST_DOFS, _LOWEST = 600, 40  # larger models take too long to be asked for more than so many modes
@@ -438,7 +439,8 @@ def _other_force(model: StructuralModel, targets: Targets, highest_hz: float) ->
             min(1.1 * max(part[2].max() for part in parts), highest_hz),
         )
         shares: dict[Any, float] = {}
-        for place in dict.fromkeys([force, *ends, *model._sensor_dofs[:_MOST_PLACES]]):
+        places = list(dict.fromkeys([force, *ends, *model._sensor_dofs[:_MOST_PLACES]]))
+        for place in places[: 1 + int(_MOST_WORK / model.n_dof**3)]:
             found = dict(zip(ends, roots_of(model, ends, place, limit, True), strict=True))
             roots = [found[part[0]] for part in parts]
             shares[place] = _share(values, _listed(np.empty(0) if one is None else one for one in roots), 0.0)
@@ -547,8 +549,9 @@ def explained(problem: UpdatingProblem, x: FloatArray, *, doubted: bool = False)
     return replace(found, hint=hint, scale=scale)
 
 
-#: Fewer values fit any scale by chance; and a smaller factor (ln) may be that of a model that can be learned.
-_TELLING, _HOPELESS = 6, 0.65
+#: Fewer values fit any scale by chance; and a factor (ln) that a usual mistake makes, or any. Smaller ones
+#: may be found by chance for a model that is right on average, or learned.
+_TELLING, _USUAL, _HOPELESS = 6, 0.65, math.log(4.0)
 
 
 def refuse_other_units(problem: UpdatingProblem) -> None:
@@ -558,7 +561,8 @@ def refuse_other_units(problem: UpdatingProblem) -> None:
         hint, scale = hint_of(problem.model, problem._targets)
     elif not (fit := explained(problem, problem.nominal)).enough:
         hint, scale = fit.hint, fit.scale
-    if problem.measured_hz.size >= _TELLING and abs(math.log(scale)) > _HOPELESS:
+    least = _HOPELESS if _THROUGHOUT in hint else _USUAL
+    if problem.measured_hz.size >= _TELLING and abs(math.log(scale)) > least:
         got, wanted = "one that does not explain the measurement", "a model of the tested structure"
         reject("model", got, wanted, f"{hint} Check units of the model and of the values.")
 
