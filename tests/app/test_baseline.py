@@ -47,6 +47,22 @@ def write_states(folder):
     case.exact(1).save(folder / "measured.json")
 
 
+def test_an_intact_state_without_values_is_told_at_the_band(tmp_path):
+    case = ar.cases.chain8(perturbation=0.05, rng=0)
+    noise = np.random.default_rng(0).standard_normal((8, 4096))
+    for name in ("intact", "damaged"):
+        ar.write_npz(tmp_path / f"{name}.npz", ar.Recording(noise, 512.0))
+    job = tmp_path / "job.toml"
+    job.write_text(FOUR.replace("[0.8, 9.0]", "[100.0, 200.0]"), encoding="utf-8")
+    said = r"line 4, \[data\] band_hz: got no antiresonance of the intact structure in 100-200 Hz"
+    with pytest.warns(ar.AntiresWarning):
+        refused(said, lambda: baseline_of(read_job(job), case.model))
+    ar.AntiresonanceSet(0, {1: []}).save(tmp_path / "intact.json")
+    job.write_text(FOUR.replace("intact.npz", "intact.json"), encoding="utf-8")
+    said = r"\[damage\] baseline: got no antiresonance of the intact structure;"
+    refused(said, lambda: baseline_of(read_job(job), case.model))
+
+
 def test_saved_sets(tmp_path, capsys):
     write_states(tmp_path)
     text = WITH.replace("[search]", "false_alarm_rate = 0.05\nprior = { nothing = 0.9, one = 0.1, two = 0, "

@@ -191,6 +191,29 @@ def test_dofs_of_a_frame_in_every_spelling(tmp_path, capsys):
     assert dofs == {"2:u": "node 2 u", "1 v": "node 1 v", "node 3 theta": "node 3 theta", "mic": "?"}
 
 
+def test_a_job_of_init_reads_names_of_a_frame_and_says_them_again(tmp_path):
+    tube = ar.Tube(0.030, 0.0015, 2.1e11, 7850.0)
+    ends = [(i, i + 1) for i in range(6)]
+    frame = ar.FrameModel([(0.0, 0.3 * i) for i in range(7)], ends, tube, fixed=[0])
+    names = [f"node {node} u" for node in range(2, 7)]
+    how: Any = {"fs_hz": 2048.0, "duration_s": 30.0, "damping_ratio": 0.01, "noise": 0.01, "rng": 1}
+    made = frame.simulate(excitation="node 6 u", responses=names, **how)
+    file, job = tmp_path / "now.uff", tmp_path / "job.toml"
+    ar.write_uff(file, ar.Recording(made.responses, 2048.0, names))
+    call = ["init", str(job), "--data", str(file), "--model", "frame"]
+    assert cli.main([*call, "--excitation", "node 3 u", "--band", "5", "700"]) == 0
+    text = job.read_text(encoding="utf-8")
+    assert tomllib.loads(text)["data"]["dofs"] == dict(zip(names, names, strict=True))
+    table = next(line for line in text.splitlines() if line.startswith("dofs = {"))
+    for written in (text, text.replace(table, "")):  # channels may have names of the model without a table
+        job.write_text(written, encoding="utf-8")
+        with pytest.warns(ar.AntiresWarning, match="not seem to act at dof 'node 3 u'.* Dof 'node 6 u'"):
+            (one,) = measured_of(read_job(job), frame)
+        assert list(one.found) == [frame.dof(node, "u") for node in range(2, 7)]
+        (finding,) = one.found.data_check.named("force_location")
+        assert "dof 'node 3 u'" in finding.text
+
+
 def test_init_with_the_file_of_a_model_leaves_nothing_to_fill_in(tmp_path, capsys):
     springs = [np.diag([1.0, 0.0, 0.0]), np.diag([1.0, 1.0, 0.0]), np.diag([0.0, 1.0, 1.0])]
     springs[1][0, 1] = springs[1][1, 0] = springs[2][1, 2] = springs[2][2, 1] = -1.0

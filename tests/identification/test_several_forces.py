@@ -265,6 +265,15 @@ def test_sets_of_responses_are_named_in_any_order(record):
     refused("2 responses for 2 forces", quiet, record, [0, 4], dofs=[1])
 
 
+def test_a_node_and_its_direction_are_not_two_forces():
+    record = ar.Recording(np.random.default_rng(0).standard_normal((3, 4096)), 64.0, ["node 4 u", "4:v", "u"])
+    for given in ((4, "v"), [4, "v"], (12, "+Z")):
+        for call in (ar.identify_antiresonances, ar.check_data):
+            with pytest.raises(ar.InvalidInputError, match=r'excitation: got \(.*two forces.*"node \d+ .*"'):
+                call(record, excitation=given, band_hz=(1, 30))
+    assert ar.check_data(record, excitation=(4, "u"), band_hz=(1, 30)).excitation == (4, "u")  # a channel
+
+
 def test_one_place_in_a_list_is_one_force():
     record = record_of(CHAIN, (0,), 60.0, 0.01, 1)
     assert quiet(record, [0]) == quiet(record, 0)

@@ -69,6 +69,15 @@ def test_names_become_dofs_by_a_mapping(tmp_path):
     assert ar.read_uff(path, dofs=lambda node, way: f"{way}{node}").dofs == ("+Z12", "-X3", "+RX3")
 
 
+def test_dofs_of_ours_are_renamed_by_their_names(tmp_path):
+    """Also where such a name reads as a node and a direction, which is not the point in the file."""
+    path = ar.write_uff(tmp_path / "a.uff", recording(dofs=("node 2 u", "12+Z")))
+    assert ar.read_uff(path, dofs={"node 2 u": 7, "12+Z": 3}).dofs == (7, 3)
+    assert ar.read_uff(path, dofs={"node 2 u": None, (12, "+Z"): 3}).dofs == (3,)
+    with pytest.raises(ar.InvalidInputError, match=r"no dof for 12\+Z"):
+        ar.read_uff(path, dofs={"node 2 u": 7})
+
+
 def test_names_are_written_by_a_mapping(tmp_path):
     made = recording(dofs=(0, 1), force=True)
     path = ar.write_uff(tmp_path / "a.uff", made, dofs={0: (12, "+Z"), 1: "7-RX"}, excitation=0)

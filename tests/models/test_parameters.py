@@ -267,6 +267,21 @@ def test_bounds_and_moduli_in_another_unit_are_refused_or_warned_of():
         problem(ar.youngs_modulus(0, bounds=(190.0, 220.0)))()
     with pytest.warns(ar.AntiresWarning, match="softer than rubber"):
         ar.FrameModel([(0, 0), (1, 0)], [(0, 1)], ar.Tube(0.05, 0.002, 210.0, RHO))
+    for grams_per_cm3 in (7.85, 2.7):
+        with pytest.warns(ar.AntiresWarning, match=r"density_kg_per_m3: .* as light as foam.* 7850 kg/m3"):
+            ar.FrameModel([(0, 0), (1, 0)], [(0, 1)], ar.Tube(0.05, 0.002, E, grams_per_cm3))
+
+
+def test_parameters_of_every_kind_are_added():
+    pipe, bend, lumps = (
+        ar.youngs_modulus("pipe", bounds=(1.9e11, 2.2e11)),
+        ar.thickness("bend", bounds=(0.001, 0.003)),
+        ar.mass_factor([0, 1], bounds=(0.9, 1.1)),
+    )
+    assert pipe + bend == [pipe, bend]
+    assert pipe + bend + lumps == [pipe, bend, *lumps] == pipe + ([bend] + lumps)
+    assert lumps + pipe == [*lumps, pipe]
+    refused("^parameters: got 4; wanted Parameters", lambda: pipe + 4)
 
 
 @pytest.mark.parametrize("kappa", [None, 0.85])

@@ -38,6 +38,12 @@ def test_what_cannot_be_is_refused():
     replay(Path(__file__).with_name("wrong_recordings.txt"), lambda call: refusal(eval(call, names)))
 
 
+def test_a_time_step_in_place_of_the_rate_is_warned_of():
+    with pytest.warns(ar.AntiresWarning, match=r"lasts 2 years\. If that .* the rate is 640 Hz"):
+        ar.Recording(np.ones((1, 100_000)), 1.0 / 640.0)
+    ar.Recording(np.ones((1, 8760)), 1.0 / 3600.0)  # a year of hours is none
+
+
 def test_transmissibilities_hold_a_row_of_ones():
     refused("^reference: got .*row of ones", ar.FrequencyResponse, FREQ, np.ones(3), kind="transmissibility")
     with pytest.raises(ar.InvalidInputError, match="^values: got .*Divide"):

@@ -289,6 +289,8 @@ class Measurement:
             with self.job.blame(self.place, {"signal": (*self.place, "points")}):
                 signal = self._points.apply(signal)
         dofs = [self._of_model(at, self._find(at, name), name) for name in signal.dofs]
+        named = zip(signal.dofs, dofs, strict=True)
+        self._names |= {dof: name for name, dof in named if isinstance(name, str)}
         if dofs == list(signal.dofs):
             return signal
         with self.job.blame(self.place):
@@ -401,19 +403,27 @@ def read_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
 def measured_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
     """Read and identify every [data] of a job."""
     measured = [each.identified() for each in read_of(job, model)]
-    if model is not None and measured and not any(f.size for each in measured for f in each.found.values()):
-        low, high = job.data[0].get("band_hz", (0.0, 0.0))
-        seen = measured[0].found.data_check
-        noise = seen is not None and {"dead_channel", "signal_to_noise"} & {f.name for f in seen.findings}
-        got = f"no antiresonance in {low:g}-{high:g} Hz" if high else "no antiresonance"
-        got += "; the channels hold noise there" if noise else ""
-        remedy = "Choose another band_hz; 'antires look' shows the curves."
-        job.reject((*job.data_places[0], "band_hz" if high else "file"), got, "a band with some", remedy)
+    if model is not None:
+        _refuse_without_values(job, measured)
     if job.sections["identification"] and all(each.signal is None for each in measured):
         got = "options beside files that hold antiresonances already"
         wanted = "a measurement to be identified"
         job.reject(("identification",), got, wanted, "Remove the section, or name the measurement.")
     return measured
+
+
+def _refuse_without_values(job: Job, measured: list[Measurement], of: str = "") -> None:
+    """Refuse a state without any antiresonance: where it was identified, its band is at fault."""
+    if not measured or any(f.size for each in measured for f in each.found.values()):
+        return
+    first = measured[0]
+    low, high = first.table.get("band_hz", (0.0, 0.0))
+    seen = first.found.data_check
+    noise = seen is not None and {"dead_channel", "signal_to_noise"} & {f.name for f in seen.findings}
+    got = f"no antiresonance{of}" + (f" in {low:g}-{high:g} Hz" if high else "")
+    got += "; the channels hold noise there" if noise else ""
+    remedy = "Choose another band_hz; 'antires look' shows the curves."
+    job.reject((*first.place, "band_hz") if high else first.places[0], got, "a band with some", remedy)
 
 
 # -- Measured modes of a job: [measured], and ``baseline`` of [damage] where modes are fitted
@@ -482,6 +492,7 @@ def baseline_of(job: Job, model: StructuralModel) -> list[Measurement]:
     measured: list[Measurement] = []
     for i, (at, name) in enumerate(names):
         measured += _intact(job, at, name, i if len(job.data) > 1 else 0, model)
+    _refuse_without_values(job, measured, " of the intact structure")
     return measured
 
 

@@ -478,7 +478,8 @@ def _searched(
     write_json(folder.record, record)
     say("judging hypotheses" if before else "searching")
     kept = folder.checkpoint if job.sections["search"].get("checkpoint", True) else None
-    with job.blame(("search",), {"checkpoint": ("output", "folder"), "rng": ("search", "seed")}):
+    at = {"checkpoint": ("output", "folder"), "rng": ("search", "seed"), "baseline": ("damage", "baseline")}
+    with job.blame(("search",), at):
         result = search(optimizer=ga, rng=seed, workers=threads, checkpoint=kept)
     return result, record, measured, evidence
 

@@ -41,6 +41,7 @@ from ..signals.recording import Recording, without_force
 from ..signals.repeats import AveragedResponse, one_source
 from ..signals.spectra import dominant
 from ..support.checks import Dofs, FloatArray, force_label
+from ..support.directions import refuse_point
 from ..support.messages import warn
 from ..support.options import gathered
 from ..support.progress import one_blas_thread, patient, step
@@ -574,6 +575,8 @@ def _source_of(source: Any, excitation: Any, options: IdentificationOptions) -> 
     """One source of what was given: repeats joined, of several forces the curves of each."""
     if not isinstance(excitation, Dofs):
         return one_source(source)
+    first = source[0] if isinstance(source, list | tuple) and source else source
+    refuse_point(excitation, getattr(first, "dofs", ()))
     if options.call.estimator != "rank1":
         got = f"{options.call.estimator!r} for several forces"
         remedy = "Leave it out: two-channel estimators hold one force alone."
@@ -585,7 +588,6 @@ def _source_of(source: Any, excitation: Any, options: IdentificationOptions) -> 
         got, needed = "'frf' for several forces", "'transmissibility', which needs none of them"
         remedy = "Give FRFs measured one force after the other as a list; their minors are compared."
         reject("route", got, needed, remedy)
-    first = source[0] if isinstance(source, list | tuple) and source else source
     curves = isinstance(first, FrequencyResponse)
     return minors_of_curves(source, len(excitation)) if curves else one_source(source)
 

@@ -205,7 +205,10 @@ def as_point(argument: str, value: Any) -> Point:
 
 
 def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, float]]:
-    """Function from a point to its dof and sign: a mapping with ``12+Z`` alone takes ``-Z`` turned round."""
+    """Function from a point to its dof and sign: a mapping with ``12+Z`` alone takes ``-Z`` turned round.
+
+    ``own`` are the dofs that files of ours state: "node 2 u" is the name of one before it is a point.
+    """
     if dofs is None:
         return lambda point: (own.get(point, label_of(point)), 1.0)
     if callable(dofs):
@@ -213,9 +216,12 @@ def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, 
     if not isinstance(dofs, Mapping):
         wanted = "a mapping {(node, direction): dof} or a function of the two"
         reject("dofs", type(dofs).__name__, wanted, "List the points with antires_rs.io.list_uff.")
-    table = {as_point("dofs", key): dof for key, dof in dofs.items()}
+    named = list(own.values())
+    table = {as_point("dofs", key): dof for key, dof in dofs.items() if key not in named}
 
     def look_up(point: Point) -> tuple[Any, float]:
+        if isinstance(own.get(point), str) and own[point] in dofs:
+            return dofs[own[point]], 1.0
         for at, sign in ((point, 1.0), ((point[0], -point[1]), -1.0)):
             if at in table:
                 return table[at], sign

@@ -46,7 +46,8 @@ def _sections_and_choice(
         if named or len(listed) != len(rows):
             got = f"no section for any of {len(rows)} elements and {len(listed)} sections"
             wanted = "(node, node, section) for each element, or one section each"
-            reject("elements", got, wanted, "Name a section as the third item of each element.")
+            remedy = "Name one as the third item of each; another model has them in element_sections."
+            reject("elements", got, wanted, remedy)
         # Equal sections are one, so that a parameter acts on all beams that have it.
         unique = list(dict.fromkeys(listed))
         return tuple(range(len(unique))), unique, [unique.index(section) for section in listed]
@@ -168,12 +169,16 @@ class FrameModel(StructuralModel, Viewed):
             parts={kind: frame_parts.parts_of(kind, given) for kind, given in parts.items()},
         )
         for name, section in zip(recipe.section_names, recipe.sections, strict=True):
-            argument = part("sections", name).attribute("youngs_modulus_pa")
+            argument, lean = map(part("sections", name).attribute, ("youngs_modulus_pa", "density_kg_per_m3"))
             modulus = finite_scalar(argument, section.youngs_modulus_pa)
-            softest = max(frame_parts.SOFTEST_PA, frame_parts.SOFTEST_OF_DENSITY * section.density_kg_per_m3)
+            density = finite_scalar(lean, section.density_kg_per_m3)
+            softest = max(frame_parts.SOFTEST_PA, frame_parts.SOFTEST_OF_DENSITY * density)
             if 0.0 < modulus < softest:  # a slip of units
                 said = "is softer than rubber. Steel has 2.1e11 Pa, and lengths are in metres."
                 warn("softer_than_rubber", f"{argument}: {modulus:g} Pa {said}")
+            if 0.0 < density < frame_parts.LIGHTEST_KG_PER_M3:
+                said = "is as light as foam. Steel has 7850 kg/m3: 1000 times g/cm3, or kg/m over the area."
+                warn("lighter_than_foam", f"{lean}: {density:g} kg/m3 {said}")
         self._build(ModelDescription(recipe))
         remedy = "Use fixed= for rigid supports, and softer springs for ties."
         warn_penalties(self.dof_label, self.stiffness(), remedy)

@@ -189,6 +189,8 @@ SectionParts = tuple[str, list[float], float, float, float]
 #: Young's moduli below this, or below so much for each kg/m3 of density, are taken for another unit: rubber
 #: has 800 for each, what is in MPa 10 to 30, and mm, N and tonnes throughout 3e13.
 SOFTEST_PA, SOFTEST_OF_DENSITY = 1e5, 500.0
+#: Densities below this are taken for g/cm3, t/m3 or the mass of a metre: no solid but foam has so little.
+LIGHTEST_KG_PER_M3 = 50.0
 
 
 @dataclass(frozen=True)

@@ -120,6 +120,13 @@ class Parameter:
             reject("relative", self.relative, f"False for '{self.quantity}'", remedy)
         _bounds(self.bounds, self.quantity, self.relative)
 
+    def __add__(self, other: Any) -> list[Parameter]:
+        """A list of this and another, or those of a list."""
+        return [self, *parameter_tuple(other)]
+
+    def __radd__(self, other: Any) -> list[Parameter]:
+        return [*parameter_tuple(other), self]
+
     @property
     def nominal(self) -> float | None:
         """Value at which the model is as it was given: 0 for a reduction, angle or position, 1 for a factor.

@@ -567,6 +567,9 @@ class StructuralModel(AroundCore[CoreModel]):
         """Number of a dof that is given by its number or its name."""
         if isinstance(value, str):
             return self._names.find(name, value)
+        if isinstance(value, int | np.integer) and value >= self.n_dof:
+            remedy = f"The model has {self.n_dof} dofs; a set with more belongs to another model."
+            reject(name, value, f"an integer in 0..{self.n_dof - 1}", remedy)
         return integer(name, value, low=0, high=self.n_dof - 1)
 
     def _end(self, name: str, value: Any) -> End:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..exceptions import UnsuitableDataError
 from ..support.checks import ComplexArray, force_label, members
+from ..support.directions import refuse_point
 from ..support.progress import patient
 from ..support.values import frozen
 from . import channel_checks as channels, one_force
@@ -370,6 +371,7 @@ def check_data(
     excitation = None if excitation is None else force_label("excitation", excitation)
     options = Averaging(nperseg, noverlap, window, method).checked()
     one: Recording | FrequencyResponse = one_source(source)
+    refuse_point(members(excitation), one.dofs)
     return judged(one, excitation, band_of(one, band_hz), options)
 
 

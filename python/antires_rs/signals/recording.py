@@ -14,8 +14,11 @@ import numpy as np
 
 from ..exceptions import reject
 from ..support.checks import FloatArray, dof_labels, finite_scalar, in_range, real_array
+from ..support.messages import warn
 from ..support.values import ReadOnly, frozen
 from ..views import Viewed
+
+_YEAR_S = 365.0 * 86400.0
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -79,6 +82,10 @@ class Recording(ReadOnly, Viewed):
             reject("responses", got, f"{wanted} with more samples than channels", remedy)
         in_range("responses", array)
         rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
+        years = array.shape[1] / rate / _YEAR_S
+        if rate < 1.0 and years > 1.0:
+            said = f"fs_hz: at {rate:.4g} Hz the record lasts {years:.2g} years."
+            warn("slow_record", f"{said} If that is the time step in s, the rate is {1.0 / rate:.6g} Hz.")
         labels = dof_labels("dofs", dofs, array.shape[0])
         if force is not None:
             wanted = f"a real array ({array.shape[1]},), one value for each sample of responses"

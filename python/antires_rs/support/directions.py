@@ -31,6 +31,15 @@ def point_of(label: str) -> tuple[int, int] | None:
     return None if found is None or code is None else (int(found[1]), code)
 
 
+def refuse_point(excitation: Sequence[Any], channels: Iterable[Any]) -> None:
+    """Refuse (4, "u") for several forces: a node and its direction are one dof, whose name is a text."""
+    point = point_of("{}:{}".format(*excitation)) if len(excitation) == 2 else None
+    if point and isinstance(excitation[1], str) and not {*excitation} & {*channels}:
+        got = f"{tuple(excitation)}, two forces at dofs {excitation[0]!r} and {excitation[1]!r}, no channels"
+        remedy = f'A node and its direction are one text: "node {excitation[0]} {excitation[1]}".'
+        reject("excitation", got, "a channel, or a list of them", remedy)
+
+
 _OFFERED = 4  # so many names are offered instead of an unknown one
 
 
