@@ -95,9 +95,11 @@ def test_the_first_hour_with_a_hammer_runs_as_printed(tmp_path, monkeypatch, cap
     names = {}
     warnings.simplefilter("ignore", ar.AntiresWarning)
     text = (DOCS / "hammer.md").read_text("utf-8")
-    for language, block in re.findall(r"```(python|console)\n(.*?)```", text, re.DOTALL):
+    for language, block in re.findall(r"```(python|console|toml)\n(.*?)```", text, re.DOTALL):
         if language == "python":
             exec(compile(block, "hammer.md", "exec"), names)
+        elif language == "toml":
+            Path("storey.toml").write_text(block, encoding="utf-8")
         for line in block.splitlines() if language == "console" else ():
             prompt, program, *arguments = line.split()
             assert (prompt, program) == ("$", "antires")
@@ -112,6 +114,9 @@ def test_the_first_hour_with_a_hammer_runs_as_printed(tmp_path, monkeypatch, cap
     said = capsys.readouterr().out
     assert "hit_10.csv: ALARM" in said
     assert "hit_11.csv: ALARM" in said
+    damage = ar.DamageResult.load("storey_results/result.npz")
+    assert damage.damaged == [2]
+    assert damage.severity[2] == pytest.approx(0.2, abs=0.01)
 
 
 def names_of(listing):

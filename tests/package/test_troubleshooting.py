@@ -13,10 +13,12 @@ from antires_rs.identification import scores
 from antires_rs.measured import response_table as doubts
 from antires_rs.signals import channel_checks as channels, data_check as check, repeats
 from antires_rs.support.messages import entries
+from antires_rs.watch import charts
 
 SOURCES = Path(ar.__file__).parent
 #: Said in headlines, notes and tables of results.
 OF_RESULTS = {"unexplained", "no_baseline", "one_of_several", "z", "chi_square"}
+OF_RESULTS |= {name.lower() for name in charts.SHARES}  # said in lines with an alarm
 FINDINGS = {*check.TESTS, check.SINGLE_HIT, check.MISSED_HIT, channels.HUM, channels.QUANTIZED}
 FINDINGS |= {channels.DOUBLE, channels.DRIFTING, channels.LENGTH, channels.AVERAGES, repeats.DIFFER}
 
@@ -63,6 +65,7 @@ def test_every_finding_and_doubt_has_an_entry():
 def test_every_entry_belongs_to_something_and_says_what_to_do():
     said = {name for _, name in warned()} | FINDINGS | words_of_doubts() | OF_RESULTS
     assert set(entries()) - said == set()
+    assert entries().keys() >= OF_RESULTS
     for name, text in entries().items():
         heads = re.findall(r"^- \*\*(.+?):\*\* \S", text, re.MULTILINE)
         assert heads == ["Seen", "Why", "What to do"], name

@@ -123,7 +123,7 @@ class FitOptions(Options):
     formulation: str = option(
         "auto",
         ", ".join(f'"{one}"' for one in CHOICES[:-1]) + f' or "{CHOICES[-1]}": what is fitted. "auto" takes '
-        '"windows" for given curves and impacts as clean as these; for other records "numerators" if that '
+        '"windows" for given curves and impacts with as little noise; for other records "numerators" if that '
         'fit predicts held-back segments to the noise, else "directions"; without estimator "rank1" "joint".',
         choices=CHOICES,
         flag="--formulation WORD",
