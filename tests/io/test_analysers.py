@@ -95,7 +95,8 @@ def test_attributes_of_hdf5_tell_rate_and_unit(tmp_path, place):
         at.attrs["unit"], at.attrs["sampling_rate"] = "g", FS
         at.attrs["comment"], at.attrs["odd"] = np.array(["a", "b"], dtype="S1"), h5py.Empty("f")
     recorded(ar.read_hdf5(tmp_path / "a.h5"))
-    np.testing.assert_allclose(ar.read_hdf5(tmp_path / "a.h5", unit="m/s2").responses, ROWS / 9.80665)
+    with pytest.warns(ar.AntiresWarning, match="says g, which was not used"):
+        np.testing.assert_allclose(ar.read_hdf5(tmp_path / "a.h5", unit="m/s2").responses, ROWS / 9.80665)
 
 
 def test_jitter_is_no_drift(tmp_path):

@@ -6,7 +6,7 @@ import argparse
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from difflib import get_close_matches
+from difflib import SequenceMatcher
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
@@ -58,9 +58,11 @@ class Parser(argparse.ArgumentParser):
 
 
 def nearest(name: str, known: Iterable[str], likeness: float = 0.6) -> str:
-    """A hint at the known name nearest to an unknown one; '' where none is near."""
-    near = get_close_matches(name, known, 1, likeness)
-    return f"Did you mean {near[0]!r}?" if near else ""
+    """A hint at the known name nearest to an unknown one, or two that are as near; '' where none is near."""
+    ratios = {one: SequenceMatcher(None, one.lower(), name.lower()).ratio() for one in known}
+    least = max(likeness, max(ratios.values(), default=0.0) - 0.03)
+    near = [repr(one) for one, ratio in ratios.items() if ratio >= least]
+    return f"Did you mean {' or '.join(near[:2])}?" if near else ""
 
 
 # -- Kinds of values, by the word that stands for them in the help

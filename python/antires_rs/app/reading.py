@@ -259,6 +259,9 @@ class Measurement:
             with warnings.catch_warnings(record=True) as heard:
                 warnings.simplefilter("always", AntiresWarning)
                 yield
+        except InvalidInputError as exc:
+            texts = map(self._by_name, (exc.got, exc.wanted, exc.remedy))
+            raise type(exc)(exc.argument, *texts) from exc
         finally:
             for each in heard:
                 one = each.message

@@ -6,7 +6,8 @@ import argparse
 import re
 import time
 import warnings
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from ..figures.sets import plot_tracks
 from ..io.common import Signal
 from ..io.options import ENDINGS
 from ..io.registry import natural
+from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.track import Tracks
 from ..signals.alignment import align
 from ..signals.recording import Recording
@@ -304,7 +306,8 @@ class _Teller:
             if min(i, count - 1) < wanted:
                 self._told.tell(series.names[i], _line_of(series.names[i], f"failed, {why}"))
         if count < wanted:
-            print(f"{count} of {wanted} baseline tests, {len(series.failed)} failed", flush=True)
+            lack = f"{wanted - count} more are needed, or give --baseline N, at least {LEAST}"
+            print(f"{count} of {wanted} baseline tests, {len(series.failed)} failed; {lack}", flush=True)
             return
         failed = [i for i in series.failed if i < wanted]
         self.without_baseline = wanted - len(failed) < LEAST
@@ -319,8 +322,14 @@ class _Teller:
             if self._warned:
                 warnings.simplefilter("ignore", AntiresWarning)
             watched = monitor(series, slice(0, wanted), self._args.rate, assessor=self._assessor)
+        rates = Counter(_rate_hz(one) for one in series.sets[:wanted])
         for i in range(wanted, count):
-            self._told.tell(series.names[i], _line(watched, i))
+            found = series.sets[i]
+            unfit = [] if found is None or found.data_check is None else found.data_check.distrusted
+            rate, usual = _rate_hz(found), rates.most_common(1)[0][0]
+            if rate and usual and abs(rate - usual) > 1e-3 * usual:
+                unfit.insert(0, f"{rate:g} Hz, the baseline has {usual:g} Hz")
+            self._told.tell(series.names[i], _line(watched, i, unfit))
         if not self._warned:
             print(printable(watched), flush=True)
         self._warned = True
@@ -335,12 +344,18 @@ def _line_of(name: str, what: str) -> str:
     return f"{name!r}: {what}" if "\n" in name else f"{name}: {what}"
 
 
-def _line(watched: Watched, test: int) -> str:
-    """One test."""
+def _rate_hz(found: AntiresonanceSet | None) -> float:
+    """The sampling rate of a test; 0 where it is not known."""
+    return 0.0 if found is None else float(found.options.get("fs_hz", 0.0))
+
+
+def _line(watched: Watched, test: int, unfit: Iterable[str]) -> str:
+    """One test, and why its data are ``unfit`` to be judged."""
     name = watched.names[test]
     if test in watched.failed:
         return _line_of(name, f"failed, {watched.failed[test]}")
     faults = "".join(f"; sensor fault: dof {one.dof}, {one.text}" for one in watched.faults.get(test, ()))
+    faults += "".join(f"; {why}" for why in unfit)
     if watched.unjudged[test]:
         return _line_of(name, f"not judged{faults}")
     verdict = f"ALARM ({', '.join(watched.why(test))})" if watched.alarm[test] else "no alarm"

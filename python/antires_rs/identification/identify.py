@@ -470,6 +470,7 @@ def _made_of(source: Recording | FrequencyResponse, band: tuple[float, float]) -
     if isinstance(source, Recording):
         x = source.responses[:, :: max(1, source.n_samples // LEVEL_SAMPLES)]
         highest = np.quantile(np.abs(x - x.mean(axis=1, keepdims=True)), LEVEL_QUANTILE, axis=1)
+        made["fs_hz"] = source.fs_hz
         made["response_level"] = float(f"{np.sqrt(np.mean(highest**2)):.6g}")
     return made
 

@@ -132,6 +132,7 @@ class FitOptions(Options):
         "auto",
         '"auto", "welch" for random records, "transient" for impacts; "auto" looks at the energy profile.',
         choices=METHODS,
+        flag="--method WORD",
     )
     noverlap: int | None = option(
         None, "Samples shared by neighbouring segments; by default half.", kind="segment"

@@ -51,6 +51,9 @@ def recording_of(
     if not responses:
         unsuitable(path, f"with {len(forces)} force and no response", "at least one response channel")
     force = _force(forces, given.force)
+    if force is not None and units[id(force)].quantity not in ("", "force"):
+        said = f"{force.name!r} is in {force.unit}, no force: its antiresonances would be missing"
+        warn("other_unit", f"force: {said}. Name the channel of the hammer, or leave force out.")
     labels = renamed("dofs", [c.name for c in responses], given.dofs)
     rows = kept(labels)  # what is left out need not fit the rest
     used = [responses[i] for i in rows]
@@ -59,7 +62,12 @@ def recording_of(
         remedy = "Leave out those of other lengths by dofs=."
         unsuitable(path, f"with channels of {sorted(lengths)} samples", "channels of one length", remedy)
     if given.unit is not None:  # which is that of the responses
-        units |= {id(c): Unit.named(given.unit) for c in used}
+        named = Unit.named(given.unit)
+        other = {c.unit for c in used if units[id(c)].quantity and units[id(c)] != named}
+        if other:
+            said = f"{str(path)!r} says {' and '.join(sorted(other))}, which was not used"
+            warn("other_unit", f"unit: {given.unit!r}; {said}. Leave unit out if the file is right.")
+        units |= {id(c): named for c in used}
     kinds = [(repr(c.name), units[id(c)].quantity, f"in {c.unit or 'no unit'}") for c in used]
     remedy = "Leave out those of other kinds by responses= or dofs=, name the hammer by force=, or the unit= "
     remedy += "of all."

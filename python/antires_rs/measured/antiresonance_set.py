@@ -153,7 +153,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     order : int
         How many forces acted at once, r; of so many dofs each key consists.
     options : dict
-        How it was identified: every option by name, the band, the package's version; of a record
+        How it was identified: every option by name, the band, the package's version; of a record "fs_hz",
         "response_level", how strongly it shook, in its unit, and where it was judged "held_back_misfit", what
         one fit of half of it leaves of the other half over noise. Empty for sets made by hand or joined.
     tables : dict
@@ -465,7 +465,11 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     def __str__(self) -> str:
         lines = [f"antiresonances, {forces_at(self.excitation)}"]
         if self.data_check is not None:
-            lines += [f"do not trust: {f.text}" for f in self.data_check.findings if f.severity == "fatal"]
+            lines += self.data_check.distrusted
+            why = self.data_check.not_tested.get("force_location") if self.order == 1 else None
+            grades = [table.scores.get("grade", ["sure"] * len(table)) for table in self.tables.values()]
+            if why and any(grade != "weak" for own in grades for grade in own):
+                lines.append(f"the place of the force could not be tested: {why}")
         lines += _rows_printed(self.tables)
         count = sum(len(table) for table in self.left_out.values())
         if count:

@@ -140,9 +140,9 @@ def is_transient(rec: Recording, low_hz: float = 0.0) -> bool:
         ringing = (low > LEAST_DECAY or rest > DECAY_RATIO) and _decays(part, low_hz)
         decaying.append(bool(low > DECAY_RATIO or ringing))
     if any(decaying) and not all(decaying):
-        steady, first = decaying.count(False), decaying.index(False) + 1
+        steady, first = decaying.count(False), decaying.index(False)
         got = f"'auto' for records of which {sum(decaying)} decay after an impact and {steady} do not (the "
-        got += f"first of these is record {first})"
+        got += f"first of these is record {first}, counted from 0)"
         remedy = "Leave out what does not belong, or say method='transient' or method='welch'."
         raise UnsuitableDataError("method", got, "records of one kind of test", remedy)
     return all(decaying)

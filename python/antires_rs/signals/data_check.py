@@ -146,10 +146,10 @@ def of_recording(
         # a structure that changes between repeats looks like a second force.
         one = [replace(f, advice=f"{f.advice} {CHANGED}") if isinstance(f, Finding) else f for f in one]
     one = unlike or one
-    hidden = [
-        finding for finding in one if finding.name == one_force.NOISE
-    ]  # tells of widths and lengths too
+    hidden = [finding for finding in one if finding.name == one_force.NOISE]
     one = [finding for finding in one if finding not in hidden]
+    if hidden:  # peaks of noise have no width, which a longer record would resolve
+        said = [each for each in said if each.name not in (channels.LENGTH, channels.RESOLUTION)]
     return [
         *hidden,
         *said,

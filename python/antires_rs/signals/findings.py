@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from ..support.checks import FloatArray
+from ..support.messages import some
 from ..support.values import ReadOnly
 from ..views import Viewed
 
@@ -172,6 +173,18 @@ class DataCheck(ReadOnly, Viewed):
     def warnings(self) -> list[str]:
         """One line for each finding but notes, worst first: ``name: what was seen. advice``."""
         return [f"{f.name}: {f.text} {f.advice}" for f in self.findings if f.severity != "note"]
+
+    @property
+    def distrusted(self) -> list[str]:
+        """A line for each fatal finding: what is not to be trusted, all if nothing is named, and why."""
+        told = []
+        for f in self.findings:
+            if f.severity == "fatal":
+                # What is wrong with single channels leaves the others; the force has one place.
+                of = " the place of the force" if f.name == "force_location" else ""
+                of = of or (f" dof {some(f.where)}" if f.where else "")
+                told.append(f"do not trust{of} ({f.name}): {f.text}")
+        return told
 
     def named(self, name: str) -> tuple[Finding, ...]:
         """Findings of one test, worst first."""

@@ -227,8 +227,8 @@ def one_force(seen: Evidence, order: int = 1) -> CheckResults:
         if above.mean() < EXCITED:
             at = f", at {seen.freq_hz[np.argmax(first)]:.4g} Hz above all" if above.any() else ""
             text = (
-                f"The responses rise over what channels do not share at {100 * above.mean():.2g} % of "
-                f"the lines of the band{at}."
+                "The channels hold noise: the responses rise over what channels do not share at "
+                f"{100 * above.mean():.2g} % of the lines of the band{at}."
             )
             advice = "Hit or force harder, over the whole band; a sine excites one line. Check the sensors."
             return [Finding(NOISE, "fatal", (), float(above.mean()), EXCITED, text, advice)]
