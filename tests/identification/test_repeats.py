@@ -110,7 +110,7 @@ def test_records_that_do_not_belong_together_are_named():
     )
     with pytest.raises(ar.InvalidInputError, match=r"^source\[1\]: got FrequencyResponse"):
         identified([one, ar.transmissibility(one, 0, nperseg=2048)])
-    unsuitable(r"2 decay.*record 3\)", identified, [impact(0), impact(1), one])
+    unsuitable(r"2 decay.*record 2, counted from 0\)", identified, [impact(0), impact(1), one])
     ratios = ar.transmissibility(one, 2, nperseg=4096)
     other = ar.FrequencyResponse(ratios.freq_hz + 0.01, ratios.values, ratios.dofs, ratios.kind, 2)
     refused(r"^source\[1\].*lines of the first", identified, [ratios, other])

@@ -371,7 +371,7 @@ def check_data(
     excitation = None if excitation is None else force_label("excitation", excitation)
     options = Averaging(nperseg, noverlap, window, method).checked()
     one: Recording | FrequencyResponse = one_source(source)
-    refuse_point(members(excitation), one.dofs)
+    refuse_point(members(excitation), getattr(one, "dofs", ()))  # what is neither is refused by the check
     return judged(one, excitation, band_of(one, band_hz), options)
 
 
