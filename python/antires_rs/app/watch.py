@@ -325,7 +325,7 @@ class _Teller:
         rates = Counter(_rate_hz(one) for one in series.sets[:wanted])
         for i in range(wanted, count):
             found = series.sets[i]
-            unfit = [] if found is None or found.data_check is None else found.data_check.distrusted
+            unfit = [] if found is None or found.data_check is None else found.data_check.cautions
             rate, usual = _rate_hz(found), rates.most_common(1)[0][0]
             if rate and usual and abs(rate - usual) > 1e-3 * usual:
                 unfit.insert(0, f"{rate:g} Hz, the baseline has {usual:g} Hz")

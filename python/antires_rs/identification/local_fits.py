@@ -33,7 +33,8 @@ OVERLAP, LEAST_SHARE = 4, 0.6
 MOST_LINES, LEAST_LINES = 96, 16  # lines of a stretch that are fitted: more tell hardly more of a few zeros
 MOST_DIRECTIONS = 5  # directions of the channels that a fit keeps: polynomials of order m span at most m + 1
 PASSES = 3  # passes of "weights from the fit before"
-#: Inverse iterations towards the smallest eigenvalue, and what keeps exact data from being singular.
+#: Inverse iterations to the smallest eigenvalue, so many that where they began has hardly any part in it,
+#: and what keeps exact data from being singular.
 ITERATIONS, RIDGE = 20, 1e-11
 LEAST_SIZE = 1e-6  # least squared size of N over the largest of the stretch
 AT_A_TIME = 1 << 21  # numbers that are worked on at a time

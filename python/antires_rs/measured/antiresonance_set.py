@@ -465,7 +465,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     def __str__(self) -> str:
         lines = [f"antiresonances, {forces_at(self.excitation)}"]
         if self.data_check is not None:
-            lines += self.data_check.distrusted
+            lines += self.data_check.cautions
             why = self.data_check.not_tested.get("force_location") if self.order == 1 else None
             grades = [table.scores.get("grade", ["sure"] * len(table)) for table in self.tables.values()]
             if why and any(grade != "weak" for own in grades for grade in own):

@@ -175,8 +175,14 @@ class DataCheck(ReadOnly, Viewed):
         return [f"{f.name}: {f.text} {f.advice}" for f in self.findings if f.severity != "note"]
 
     @property
-    def distrusted(self) -> list[str]:
-        """A line for each fatal finding: what is not to be trusted, all if nothing is named, and why."""
+    def cautions(self) -> list[str]:
+        """A line for each fatal finding: what is not to be trusted, all if nothing is named, and why.
+
+        >>> import antires_rs as ar
+        >>> rec = ar.cases.chain8().experiment(noise=0.01, rng=1)
+        >>> ar.check_data(rec, excitation=4, band_hz=(3, 130)).cautions[0][:30]
+        'do not trust the place of the '
+        """
         told = []
         for f in self.findings:
             if f.severity == "fatal":

@@ -434,13 +434,14 @@ def _other_force(model: StructuralModel, targets: Targets, highest_hz: float) ->
         ends = list(dict.fromkeys(part[0] for part in parts))
         if isinstance(force, tuple) or not parts:
             continue
-        values, limit = (
-            _listed(part[2] for part in parts),
-            min(1.1 * max(part[2].max() for part in parts), highest_hz),
-        )
-        shares: dict[Any, float] = {}
         places = list(dict.fromkeys([force, *ends, *model._sensor_dofs[:_MOST_PLACES]]))
-        for place in places[: 1 + int(_MOST_WORK / model.n_dof**3)]:
+        places = places[: int(_MOST_WORK / model.n_dof**3)]
+        if len(places) < 2:  # nothing to compare
+            continue
+        values = _listed(part[2] for part in parts)
+        limit = min(1.1 * max(part[2].max() for part in parts), highest_hz)
+        shares: dict[Any, float] = {}
+        for place in places:
             found = dict(zip(ends, roots_of(model, ends, place, limit, True), strict=True))
             roots = [found[part[0]] for part in parts]
             shares[place] = _share(values, _listed(np.empty(0) if one is None else one for one in roots), 0.0)
