@@ -139,7 +139,8 @@ def as_first(first: FrequencyResponse, one: FrequencyResponse, name: Argument) -
 # at most between repeats with up to 20 % of noise, 0.1 at the median where a spring lost half, and 0.11 to
 # 0.22 between two places of the force. Channels that were exchanged or turned round leave nothing of it once
 # changed back. Limits were set on chains and portal frames; on others no repeat of 80 is named, 136 of 160
-# changed channels are, and of other places, which show between resonances only, few (benchmarks/unlike_records.py).
+# changed channels are, and few of other places, which show between resonances only
+# (benchmarks/unlike_records.py).
 
 DIFFER = "records_differ"
 STRONG, LEAST_LINES, MOST_LINES = 100.0, 8, 400  # signal-to-noise power of a line; how many are compared
