@@ -172,9 +172,10 @@ def _smallest(
     for m in orders:
         size = (m + 1) * n
         low = inverse[..., :size, :size]
+        adjoint = low.conj().swapaxes(-1, -2)
         c = begin[..., : m + 1, :].reshape(*shape, size, 1)
         for _ in range(ITERATIONS):
-            c = low.conj().swapaxes(-1, -2) @ (low @ c)
+            c = adjoint @ (low @ c)
             c = c / np.linalg.norm(c, axis=-2, keepdims=True)
         left = np.sum(c.conj() * (form[..., :size, :size] @ c), axis=(-2, -1)).real
         found.append((c.reshape(*shape, m + 1, n), left))
